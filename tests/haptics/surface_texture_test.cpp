@@ -177,6 +177,28 @@ TEST(SurfaceTexture, GratingPushesAsItsClosedForm)
     EXPECT_GT(in_grooves, 20);
 }
 
+TEST(SurfaceTexture, FrictionCountsThePressureThatIsLeft)
+{
+    constexpr double amplitude = 6e-5;
+    constexpr double depth = 1.5e-4;
+    RenderOptions options = spring_alone(stiffness);
+    options.static_friction = 0.4;
+    options.dynamic_friction = 0.3;
+    options.texture.bump = {
+        .shape = BumpShape::grating, .amplitude = amplitude, .wavelength = 0.004};
+    // Along a crest, half way down, and along the ground of a groove.
+    for (const double x : {0.0, 0.001, 0.002}) {
+        Table table(options);
+        table.rest(Vec3(x, 0, 0.001));
+        table.go(Vec3(x, 0, -depth));
+        for (int tick = 1; tick <= 200; ++tick) table.go(Vec3(x, 2e-5 * tick, -depth));
+        const double groove = amplitude * (1 - std::cos(2 * std::numbers::pi * x / 0.004));
+        const Vec3 force = table.renderer().last().force;
+        EXPECT_NEAR(force.z(), stiffness * (depth - groove), 1e-6) << x;
+        EXPECT_NEAR(force.y(), -0.3 * stiffness * (depth - groove), 1e-6) << x;
+    }
+}
+
 TEST(SurfaceTexture, AmplitudeIsLimitedByStiffnessWavelengthAndDevice)
 {
     // K s^2 A^2 + F c A = K max, with s = 2 pi / L and c = s^2.
