@@ -181,8 +181,7 @@ void SurfaceRenderer::feel_texture(const ProxyTick& proxy, const Vec3& velocity,
                                           .ground = ground_,
                                           .seconds = seconds,
                                           .damps = options_.guard == Guard::on,
-                                          .taps = steady && passivity_.softness() >= 1 &&
-                                                  !(passivity_.added_damping() > 0)});
+                                          .taps = steady && passivity_.softness() >= 1});
     } else {
         texture_.release(seconds);
     }

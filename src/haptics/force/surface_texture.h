@@ -56,7 +56,7 @@ struct TexturedContact {
     Vec3 ground = Vec3::Zero();   ///< m, displacement by the touched surface
     double seconds = 1e-3;
     bool damps = false; ///< the observer may add damping
-    bool taps = false;  ///< neither ramps nor guards are active
+    bool taps = false;  ///< neither in a ramp nor softened
 };
 
 /// One per device. noexcept, no allocation, O(1).
