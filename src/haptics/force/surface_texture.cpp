@@ -15,11 +15,11 @@ namespace {
 /// s without a contact before another impact counts: a device that flutters at the surface is not
 /// tapped.
 constexpr double least_free_seconds = 0.02;
-constexpr double least_impact = 0.01; ///< m/s
-constexpr double most_impact = 1;     ///< m/s: faster velocities are noise of the device
-constexpr double tap_end = 0.02;      ///< part of the amplitude at which a tap ends
-constexpr double most_sampled = 0.4;  ///< waves per tick
-constexpr double negligible = 0.01;   ///< of the device's damping, in reports
+constexpr double least_impact = 0.01;  ///< m/s
+constexpr double most_impact = 1;      ///< m/s: faster velocities are noise of the device
+constexpr double tap_end = 0.02;       ///< part of the amplitude at which a tap ends
+constexpr double most_sampled = 0.4;   ///< waves per tick
+constexpr double reported_part = 0.01; ///< of the device's damping
 
 std::span<const Contact> contacts_of(const ProxyTick& proxy) noexcept
 {
@@ -136,7 +136,8 @@ void TextureForce::observe(TextureTick& tick, const Vec3& normal, const Vec3& st
             tick.added_damping = std::min(-energy_ / (contact.seconds * speed_squared),
                                           most_texture_damping(device_));
             force -= 2 * tick.added_damping * along; // in the mean, all of it in one tick
-            report_.damped_ticks += tick.added_damping > negligible * device_.max_damping ? 1U : 0U;
+            report_.damped_ticks +=
+                tick.added_damping > reported_part * device_.max_damping ? 1U : 0U;
         }
     }
     observed_ = true;
