@@ -2,11 +2,11 @@
 
 #include "base/text.h"
 #include "haptics/device/check_numbers.h"
-#include "haptics/surface/height_field.h"
 #include "haptics/force/surface_renderer.h"
 #include "haptics/scene/touch_access.h"
 #include "haptics/surface/contact_surface.h"
 #include "haptics/surface/exits.h"
+#include "haptics/surface/height_field.h"
 #include "proxima/device.h"
 #include "proxima/mesh_index.h"
 #include "proxima/touch_scene.h"

@@ -25,6 +25,7 @@
 #include "proxima/touch_scene.h"
 
 #include <cstdint>
+#include <utility>
 
 namespace proxima {
 
@@ -63,9 +64,10 @@ struct TexturedContact {
 class TextureForce {
 public:
     /// `properties` may be null and must outlive it.
-    TextureForce(const SurfaceTexture& own, const SurfaceProperties* properties,
+    TextureForce(SurfaceTexture own, const SurfaceProperties* properties,
                  const DeviceLimits& device, double units_per_metre) noexcept
-        : own_(own), properties_(properties), device_(device), units_per_metre_(units_per_metre)
+        : own_(std::move(own)), properties_(properties), device_(device),
+          units_per_metre_(units_per_metre)
     {}
 
     /// Whether something that the proxy touches has a texture, or has had one since it was free.

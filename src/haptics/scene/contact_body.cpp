@@ -1,9 +1,9 @@
 #include "haptics/scene/contact_body.h"
 
 #include "base/text.h"
-#include "haptics/surface/height_field.h"
 #include "haptics/surface/changing_surface.h"
 #include "haptics/surface/exits.h"
+#include "haptics/surface/height_field.h"
 #include "index/check_edges.h"
 #include "proxima/mesh_index.h"
 

@@ -28,7 +28,7 @@ struct ScriptedObject {
     std::uint64_t mesh_fingerprint = 0;
     RigidTransform pose; ///< at the beginning
     ObjectScript script;
-    std::optional<SurfaceMaterial> material; ///< none: the renderer's own
+    std::optional<SurfaceMaterial> material;    ///< none: the renderer's own
     std::optional<SurfaceTexture> texture = {}; ///< none: the renderer's own
 };
 

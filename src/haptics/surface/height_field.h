@@ -13,8 +13,6 @@
 #include "proxima/result.h"
 #include "proxima/touch_scene.h"
 
-#include <string>
-
 namespace proxima {
 
 /// Depth of a groove and how it changes with the position.

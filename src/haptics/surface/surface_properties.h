@@ -33,10 +33,7 @@ public:
     }
 
     /// From the frame of a triangle's object, to which textures belong, to that of the surface.
-    [[nodiscard]] virtual RigidTransform pose(TriangleId /*triangle*/) const noexcept
-    {
-        return {};
-    }
+    [[nodiscard]] virtual RigidTransform pose(TriangleId /*triangle*/) const noexcept { return {}; }
 };
 
 } // namespace proxima
