@@ -1,7 +1,7 @@
 // Feeds files with right checksums and any content to the loader of recordings, and replays the
 // first ticks of what it accepts, as `proxima touch --device replay:FILE` does: forces are finite and
 // within the device's limit. Whatever the fingerprints say, the cube is touched. Seeds are a session
-// with one model, with penalty forces, and with a scene of three objects.
+// with one model, with penalty forces, with a scene of three objects, and with textures.
 #include "base/binary_file.h"
 #include "base/check.h"
 #include "exact_copy.h"
@@ -83,8 +83,9 @@ void replay_scene(const Recording& recording, const Model& model)
     const RecordingSettings& settings = recording.settings;
     std::vector<TouchBody> bodies;
     for (const ScriptedObject& object : settings.objects) {
-        auto body = build_touch_body(
-            model.index, {.material = object.material, .shading = settings.render.shading});
+        auto body = build_touch_body(model.index, {.material = object.material,
+                                                   .texture = object.texture,
+                                                   .shading = settings.render.shading});
         PROXIMA_CHECK(body.has_value());
         bodies.push_back(*body);
     }

@@ -3,6 +3,7 @@
 #include "base/text.h"
 #include "cli/model_options.h"
 #include "cli/stopwatch.h"
+#include "cli/touch_texture.h"
 #include "haptics/scene/touch_access.h"
 #include "proxima/mesh_index.h"
 
@@ -96,10 +97,12 @@ Result<std::unique_ptr<TouchModel>> load_touch_scene(const ScenePlan& plan, Forc
     std::vector<TouchBody> bodies;
     std::uint32_t triangles = 0;
     for (std::size_t i = 0; i < plan.models.size(); ++i) {
-        auto body = load_body(
-            plan.models[i],
-            {.material = objects[i].material, .shading = shading, .execution = session.execution()},
-            lists, session);
+        auto body = load_body(plan.models[i],
+                              {.material = objects[i].material,
+                               .texture = objects[i].texture,
+                               .shading = shading,
+                               .execution = session.execution()},
+                              lists, session);
         if (!body) return tl::unexpected(body.error());
         const std::uint64_t fingerprint = contact_body(*body).mesh_index().mesh_fingerprint();
         if (objects[i].mesh_fingerprint != 0 && objects[i].mesh_fingerprint != fingerprint) {
@@ -168,6 +171,7 @@ Json objects_json(const TouchModel& model, const QualityReport& quality)
                         {"pose", pose_json(scripted.pose)},
                         {"motion", motion_json(scripted.script)},
                         {"material", material},
+                        {"texture", scripted.texture ? texture_json(*scripted.texture) : Json()},
                         {"touching_ticks", object.touching_ticks},
                         {"moving_ticks", object.moving_ticks},
                         {"max_carrying", object.max_carrying}});

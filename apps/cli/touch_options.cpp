@@ -57,11 +57,12 @@ std::optional<Stillness> find_stillness(std::string_view name)
 Status check_penalty(const TouchCommandOptions& options)
 {
     if (options.force != "penalty") return {};
-    const std::array<std::pair<const char*, bool>, 5> unfit = {
+    const std::array<std::pair<const char*, bool>, 6> unfit = {
         {{"--radius", options.radius > 0},
          {"--friction", options.is_given("--friction") && options.friction > 0},
          {"--shading", options.shading},
          {"--patch", !options.patches.empty()},
+         {"--texture", !options.objects.textures.empty()},
          {"--object, --pose, --motion and --material", options.objects.any()}}};
     for (const auto& [option, is_there] : unfit) {
         if (!is_there) continue;
@@ -156,6 +157,7 @@ TouchSettings settings_of(const TouchCommandOptions& options)
         settings.law = ForceLaw::penalty;
         settings.render.static_friction = settings.render.dynamic_friction = 0;
     }
+    settings.render.texture = common_texture(options.objects.textures);
     settings.pace = options.free_running ? Pace::unpaced : Pace::real_time;
     settings.record = !options.record.empty();
     settings.trace = !options.picture.empty();

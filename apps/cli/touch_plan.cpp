@@ -97,6 +97,39 @@ Result<SurfaceMaterial> parse_material(std::string_view text, SurfaceMaterial ma
     return material;
 }
 
+tl::unexpected<Error> no_object(const std::string& text, std::size_t object, std::size_t objects,
+                                const char* option)
+{
+    return fail(ErrorCode::invalid_argument,
+                concat("'", text, "': there is no object ", object, ", they are 0 to ", objects - 1,
+                       ": 0 is MODEL, --object adds others"),
+                option);
+}
+
+/// Whatever object it is of, if of one.
+Status check_texture_text(std::string_view text)
+{
+    const auto numbered = split_number(text);
+    if (!numbered && is_of_object(text))
+        return no_such("texture", text, concat("TEXTURE or N=TEXTURE; TEXTURE is ", texture_forms));
+    const auto texture = with_effect({}, numbered ? numbered->rest : text);
+    return texture ? Status() : tl::unexpected(texture.error());
+}
+
+/// Gives the objects of a plan the textures that are theirs alone, on top of what all have.
+Status give_textures(const std::vector<std::string>& texts, ScenePlan& plan)
+{
+    for (const std::string& text : texts) {
+        if (!is_of_object(text)) continue;
+        const Numbered numbered = *split_number(text);
+        if (numbered.object >= plan.objects.size())
+            return no_object(text, numbered.object, plan.objects.size(), "--texture");
+        auto& texture = plan.objects[numbered.object].texture;
+        texture = *with_effect(texture.value_or(common_texture(texts)), numbered.rest);
+    }
+    return {};
+}
+
 /// One value for each time that the option is given.
 template <class Parse>
 void add_numbered(CLI::App& parser, const std::string& name, std::vector<std::string>& texts,
@@ -119,12 +152,7 @@ Status give(const std::vector<std::string>& texts, std::size_t objects, const ch
     std::vector<bool> given(objects, false);
     for (const std::string& text : texts) {
         const std::size_t object = split_number(text)->object;
-        if (object >= objects) {
-            return fail(ErrorCode::invalid_argument,
-                        concat("'", text, "': there is no object ", object, ", they are 0 to ",
-                               objects - 1, ": 0 is MODEL, --object adds others"),
-                        option);
-        }
+        if (object >= objects) return no_object(text, object, objects, option);
         if (given[object]) {
             return fail(ErrorCode::invalid_argument, concat("is given twice for object ", object),
                         option);
@@ -160,6 +188,11 @@ void add_object_options(CLI::App& parser, ObjectOptions& options)
         parser, "--material", options.materials,
         concat("Stiffness, damping and static friction of object N: ", material_form),
         [](const std::string& text) { return parse_material(text, {}); }, "N=K,B,MU");
+    add_numbered(parser, "--texture", options.textures,
+                 concat("What the surface feels like, of all objects or of object N; again for "
+                        "more: ",
+                        texture_forms),
+                 check_texture_text, "[N=]TEXTURE");
 }
 
 Result<ScenePlan> plan_scene(const std::string& model, const ObjectOptions& options,
@@ -188,6 +221,7 @@ Result<ScenePlan> plan_scene(const std::string& model, const ObjectOptions& opti
             plan.objects[i].material = *parse_material(text, usual);
         });
     }
+    if (status) status = give_textures(options.textures, plan);
     if (!status) return tl::unexpected(status.error());
     return plan;
 }
@@ -201,7 +235,8 @@ Result<ScenePlan> plan_scene(const std::string& model, const ObjectOptions& opti
     };
     for (const auto& [option, given] :
          {Given{"--pose", !options.poses.empty()}, Given{"--motion", !options.motions.empty()},
-          Given{"--material", !options.materials.empty()}}) {
+          Given{"--material", !options.materials.empty()},
+          Given{"--texture", !options.textures.empty()}}) {
         if (!given) continue;
         return fail(ErrorCode::invalid_argument,
                     concat("is in the recording ", path, " already: leave it out"), option);

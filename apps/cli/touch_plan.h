@@ -2,12 +2,14 @@
 // --material say of an object by its number where it stands, how it moves and what it is made of.
 #pragma once
 
+#include "cli/touch_texture.h"
 #include "haptics/loop/recording.h"
 #include "haptics/scene/scripted_scene.h"
 #include "proxima/result.h"
 #include "proxima/touch_scene.h"
 
 #include <CLI/App.hpp>
+#include <algorithm>
 #include <numbers>
 #include <string>
 #include <vector>
@@ -22,15 +24,17 @@ struct ObjectOptions {
     std::vector<std::string> poses;
     std::vector<std::string> motions;
     std::vector<std::string> materials;
+    std::vector<std::string> textures; ///< "N=..." or for all that is touched
 
     /// Whether a scene is asked for, and not one model at rest.
     [[nodiscard]] bool any() const
     {
-        return !models.empty() || !poses.empty() || !motions.empty() || !materials.empty();
+        return !models.empty() || !poses.empty() || !motions.empty() || !materials.empty() ||
+               std::ranges::any_of(textures, is_of_object);
     }
 };
 
-/// Adds the options; what is no pose, motion or material is wrong usage.
+/// Adds the options; what is no pose, motion, material or texture is wrong usage.
 void add_object_options(CLI::App& parser, ObjectOptions& options);
 
 /// A scene before its models are read.
@@ -47,7 +51,7 @@ struct ScenePlan {
                                            const SurfaceMaterial& usual);
 
 /// The scene of a recording, whose poses and all it has; nothing of one model at rest. Errors
-/// invalid_argument: other models by number, poses, motions or materials that are given as well.
+/// invalid_argument: other models by number, poses, motions, materials or textures that are given as well.
 [[nodiscard]] Result<ScenePlan> plan_scene(const std::string& model, const ObjectOptions& options,
                                            const Recording& recording, const std::string& path);
 

@@ -4,6 +4,7 @@
 #include "cli/touch_input_report.h"
 #include "cli/touch_objects.h"
 #include "cli/touch_options.h"
+#include "cli/touch_texture.h"
 
 #include <algorithm>
 #include <fmt/core.h>
@@ -161,6 +162,7 @@ std::string touch_text(const TouchReportOf& of, const TouchModel& model, const T
         times(quality.passes));
     text += of.verbose ? counters_text(model, result) : guards_text(result);
     text += swings_text(result);
+    text += texture_text(render.texture, result.texture);
     text += fmt::format("computing a force: {}\n", microseconds(result.render));
     text += objects_text(model, quality);
     text += engine_text(result);
@@ -226,6 +228,8 @@ Json touch_json(const TouchReportOf& of, const TouchModel& model, const TouchRes
                  {"most_damping", result.swings.most_damping},
                  {"longest_softening", result.swings.longest_softening},
                  {"most_given", result.swings.most_given},
+                 {"texture", texture_json(render.texture)},
+                 {"texture_report", texture_json(result.texture)},
                  {"tick", latency_json(result.render)},
                  {"servo", nullptr},
                  {"replay_differences", nullptr},

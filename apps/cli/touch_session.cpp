@@ -147,6 +147,7 @@ public:
         result_.clamped = parts_of(renderer_).guard().clamped();
         result_.slewed = parts_of(renderer_).guard().slewed();
         result_.swings = parts_of(renderer_).passivity().report();
+        result_.texture = parts_of(renderer_).texture().report();
         result_.map = renderer_.map();
         result_.render_options = renderer_.options();
         return std::move(result_);

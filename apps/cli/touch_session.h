@@ -8,6 +8,7 @@
 #include "cli/touch_plot.h"
 #include "haptics/device/udp_device.h"
 #include "haptics/force/passivity.h"
+#include "haptics/force/surface_texture.h"
 #include "haptics/loop/recording.h"
 #include "haptics/scene/scripted_scene.h"
 #include "haptics/surface/contact_surface.h"
@@ -92,7 +93,8 @@ struct TouchResult {
     LatencyHistogram render;   ///< of a tick's computing, ns, without the hand and the report
     std::uint64_t clamped = 0; ///< ticks in which a guard changed the force
     std::uint64_t slewed = 0;
-    SwingReport swings;         ///< what the passivity guard saw and did
+    SwingReport swings; ///< what the passivity guard saw and did
+    TextureReport texture;
     double session_seconds = 0; ///< of all ticks
     WorkspaceMap map;
     RenderOptions render_options; ///< as limited by the device

@@ -94,6 +94,7 @@ struct RenderOptions {
     std::size_t max_moves = 12;
     /// On: forces lean towards the smooth normals of bodies that were built with them.
     ForceShading shading = ForceShading::off;
+    SurfaceTexture texture = {}; ///< of surfaces that have none of their own
 };
 
 /// How the surface holds the proxy.
@@ -123,6 +124,8 @@ struct RenderTick {
     Vec3 position = Vec3::Zero(); ///< of the device as it was used, m
     Vec3 force = Vec3::Zero();    ///< N, what the device gets
     Vec3 spring = Vec3::Zero();   ///< N, before the guards
+    Vec3 texture = Vec3::Zero();  ///< N, what the surface's texture changes in `spring`
+    double tap = 0;               ///< N, along the normal, after an impact
 
     Vec3 proxy = Vec3::Zero();  ///< its centre
     Vec3 anchor = Vec3::Zero(); ///< what the spring pulls the device to; the device where free

@@ -55,11 +55,69 @@ struct SurfaceMaterial {
     double dynamic_friction = 0.3; ///< mu_d, at most mu_s
 };
 
+/// The pattern of a height field.
+enum class BumpShape : std::uint8_t {
+    none,
+    grating, ///< parallel waves along a direction
+    dimples, ///< waves along all three axes of the object's frame
+    noise    ///< smooth and at random: the wavelength is that of its lattice
+};
+
+/// Grooves below the triangles, by a function of the position in the object's frame: no texture
+/// coordinates. Crests are where the triangles are. Lengths are in metres of the device, whatever the
+/// model's units.
+struct Bump {
+    BumpShape shape = BumpShape::none;
+    double amplitude = 0;           ///< m, half the depth of a groove: 0 to 0.01
+    double wavelength = 0.004;      ///< m: 1e-4 to 1
+    Vec3 direction = Vec3::UnitX(); ///< of a grating; of any length but 0
+
+    [[nodiscard]] bool any() const noexcept { return shape != BumpShape::none && amplitude > 0; }
+};
+
+/// A spring along the surface from where the device sticks: beyond max_force it sticks elsewhere.
+struct StickSlip {
+    double stiffness = 0; ///< N/m; at most 200 and a quarter of the device's
+    double max_force = 0; ///< N; at most the device's
+
+    [[nodiscard]] bool any() const noexcept { return stiffness > 0 && max_force > 0; }
+};
+
+/// A force along the normal after an impact at v m/s, gain v exp(-decay t) sin(2 pi frequency t),
+/// of at most half the device's greatest force ([okamura-2001]).
+struct Tap {
+    double gain = 0;        ///< N s/m; at most most_tap_gain
+    double frequency = 150; ///< Hz: 10 to 400
+    double decay = 80;      ///< 1/s: 10 to 1000
+
+    [[nodiscard]] bool any() const noexcept { return gain > 0; }
+};
+
+/// N s/m: a tap at 1 m/s then has 20 N, as much as the strongest known device.
+inline constexpr double most_tap_gain = 20;
+
+/// What a surface feels like beside stiffness and friction. Nothing by default. Strengths are limited
+/// by what the device can take, the amplitude also by stiffness and wavelength (docs/haptics.md).
+struct SurfaceTexture {
+    Bump bump = {};
+    double viscosity =
+        0; ///< N s/m, against motion along the surface; at most a quarter of what the
+           ///< device takes
+    StickSlip stick_slip = {};
+    Tap tap = {};
+
+    [[nodiscard]] bool any() const noexcept
+    {
+        return bump.any() || viscosity > 0 || stick_slip.any() || tap.any();
+    }
+};
+
 /// Whether forces lean towards the normals of the smooth surface that a mesh stands for.
 enum class ForceShading : bool { off, on };
 
 struct TouchBodyOptions {
-    std::optional<SurfaceMaterial> material;  ///< none: the renderer's own settings
+    std::optional<SurfaceMaterial> material = {}; ///< none: the renderer's own settings
+    std::optional<SurfaceTexture> texture = {};   ///< none: the renderer's own
     ForceShading shading = ForceShading::off; ///< on: with smooth normals, for renderers with it on
     Execution execution = {};
 };
@@ -84,7 +142,7 @@ private:
 
 /// Builds an index of the mesh, without lists, and a body. Errors: those of build_topology,
 /// build_mesh_index and with_signs; invalid_argument for materials that are not finite, negative,
-/// or of more dynamic than static friction.
+/// or of more dynamic than static friction, and for textures that are out of range.
 [[nodiscard]] Result<TouchBody> build_touch_body(TriangleMesh mesh,
                                                  const TouchBodyOptions& options = {});
 
@@ -96,7 +154,7 @@ private:
                                                  const TouchBodyOptions& options = {});
 
 /// The body with its vertices elsewhere, one position for each vertex of body.mesh(): with the same
-/// triangles, material and shading. `body` stays as it was, and may itself be a refit. A refit has no
+/// triangles, material, texture and shading. `body` stays as it was, and may itself be a refit. A refit has no
 /// inside: a proxy that starts anew is not moved out of it. Errors: invalid_argument (another number
 /// of positions), invalid_mesh (NaN, larger than 1e150), cancelled. About 50 ns
 /// per triangle, more with shading.

@@ -118,6 +118,44 @@ class Touching(ProgramTest):
             self.refuse(*arguments, "--force", "penalty", *option, says=("--force", option[0]))
         self.refuse(*arguments, "--force", "spring", status=2, says="--force")
 
+    def test_textures_are_felt_and_replay(self):
+        """Of all that is touched, and of an object alone; what makes no texture is wrong usage."""
+        recording = self.folder / "textured.pxt"
+        session = ("touch", "icosphere:3", "--device", "hand:slide", "--seconds", 3, "--free-running")
+        plain = self.json_of(*session)
+        self.assertIsNone(plain["texture"])
+        self.assertEqual(plain["texture_report"], {"slips": 0, "taps": 0, "most_given": 0, "damped_ticks": 0})
+        report = self.json_of(*session, "--texture", "noise:0.0001,0.003", "--texture", "viscosity:1", "--texture",
+                              "stick-slip:150,0.3", "--texture", "tap:2,200,100", "--record", recording)
+        texture = report["texture"]
+        self.assertEqual((texture["bump"], texture["wavelength"], texture["viscosity"]), ("noise", 0.003, 1))
+        self.assertEqual((texture["stick_slip_stiffness"], texture["stick_slip_max_force"]), (150, 0.3))
+        self.assertEqual((texture["tap_gain"], texture["tap_frequency"], texture["tap_decay"]), (2, 200, 100))
+        self.assertLess(texture["amplitude"], 0.0001)  # limited by the device
+        self.assertGreater(report["texture_report"]["slips"], 5)
+        self.assertEqual((report["passes"], report["softenings"]), (0, 0))
+        self.assertNotEqual(report["max_force"], plain["max_force"])
+        self.assertIn("texture: noise of", self.succeed(*session, "--texture", "noise:0.00001,0.003"))
+        again = self.json_of("touch", "icosphere:3", "--device", f"replay:{recording}")
+        self.assertEqual((again["replay_differences"], again["texture_report"]), (0, report["texture_report"]))
+        tapped = self.json_of("touch", "icosphere:3", "--device", "hand:press", "--seconds", 3, "--free-running", "--texture", "tap:2")
+        self.assertGreater(tapped["texture_report"]["taps"], 1)
+        self.assertLess(tapped["texture_report"]["most_given"], 1e-3)
+
+        scene = (*session, "--object", "cube", "--pose", "1=0,0,2.2", "--texture", "viscosity:1", "--texture", "1=grating:1e-5,0.01,0,1,0")
+        ball, cube = self.json_of(*scene, "--record", recording)["objects"]
+        self.assertIsNone(ball["texture"])
+        self.assertEqual((cube["texture"]["bump"], cube["texture"]["direction"], cube["texture"]["viscosity"]), ("grating", [0, 1, 0], 1))
+        again = self.json_of("touch", "icosphere:3", "--object", "cube", "--device", f"replay:{recording}")
+        self.assertEqual((again["replay_differences"], again["objects"][1]["texture"]), (0, cube["texture"]))
+
+        for text in ("", "noise", "noise:1", "noise:1,1", "noise:1e-5,0", "grating:1e-5,0.01,0,0,0", "dimples:1e-5,0.01,1,0,0",
+                     "viscosity:-1", "viscosity:nan", "stick-slip:1", "tap:1,2", "tap:1,5,80", "velvet:1", "x=viscosity:1", "=viscosity:1"):
+            self.refuse(*session, "--texture", text, status=2, says="--texture")
+        self.refuse(*session, "--texture", "1=viscosity:1", says=("--texture", "no object 1"))
+        self.refuse(*session, "--texture", "viscosity:1", "--force", "penalty", says=("--force", "--texture"))
+        self.refuse("touch", "icosphere:3", "--device", f"replay:{recording}", "--texture", "viscosity:1", says="--texture")
+
     def test_shaded_forces_replay(self):
         recording = self.folder / "shaded.pxt"
         result = self.json_of("touch", "icosphere:2", "--device", "hand:stroke", "--seconds", 2, "--free-running",

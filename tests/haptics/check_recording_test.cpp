@@ -33,6 +33,7 @@ Recording scene_recording()
     recording.settings.objects[3].script = {
         .kind = ObjectMotionKind::swing, .along = Vec3::UnitX(), .seconds = 1};
     recording.settings.objects[3].material = SurfaceMaterial{};
+    recording.settings.objects[3].texture = SurfaceTexture{};
     recording.ticks.resize(20);
     recording.messages.resize(2);
     recording.messages[0].has_motion = recording.messages[1].has_material = true;
@@ -97,6 +98,41 @@ std::vector<Forgery> forgeries()
         {"object 3: dynamic_friction",
          material(&SurfaceMaterial::dynamic_friction),
          {0.41, -1, not_a_number}},
+        {"the viscosity of a texture",
+         [](Recording& r) -> double& { return r.settings.render.texture.viscosity; },
+         wrong_strengths},
+        {"the bump amplitude of a texture",
+         [](Recording& r) -> double& { return r.settings.render.texture.bump.amplitude; },
+         {-1, 0.011, 1e308, endless, not_a_number}},
+        {"object 3: the bump wavelength of a texture",
+         [](Recording& r) -> double& { return r.settings.objects[3].texture->bump.wavelength; },
+         {0, -1, 9e-5, 1.1, 1e-308, endless, not_a_number}},
+        {"object 3: the length of the bump direction",
+         [](Recording& r) -> double& {
+             Vec3& direction = r.settings.objects[3].texture->bump.direction;
+             direction.setZero();
+             return direction.y();
+         },
+         {0, 1e-160, 1e160, endless, not_a_number}},
+        {"object 3: the stick-slip stiffness",
+         [](Recording& r) -> double& {
+             return r.settings.objects[3].texture->stick_slip.stiffness;
+         },
+         wrong_strengths},
+        {"object 3: the stick-slip max_force",
+         [](Recording& r) -> double& {
+             return r.settings.objects[3].texture->stick_slip.max_force;
+         },
+         wrong_strengths},
+        {"object 3: the tap gain",
+         [](Recording& r) -> double& { return r.settings.objects[3].texture->tap.gain; },
+         wrong_strengths},
+        {"object 3: the tap frequency",
+         [](Recording& r) -> double& { return r.settings.objects[3].texture->tap.frequency; },
+         {0, 9, 401, endless, not_a_number}},
+        {"object 3: the tap decay",
+         [](Recording& r) -> double& { return r.settings.objects[3].texture->tap.decay; },
+         {0, 9, 1001, endless, not_a_number}},
         {"object 1: an object must not rotate", script(1, &ObjectScript::angle), {26, -26, 1e308}},
         {"object 1: the numbers of a motion", script(1, &ObjectScript::angle), {endless}},
         {"object 2: the period of a motion",

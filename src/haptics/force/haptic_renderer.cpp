@@ -6,6 +6,7 @@
 #include "haptics/scene/touch_access.h"
 #include "haptics/surface/contact_surface.h"
 #include "haptics/surface/exits.h"
+#include "haptics/surface/height_field.h"
 #include "proxima/device.h"
 #include "proxima/mesh_index.h"
 #include "proxima/touch_scene.h"
@@ -119,7 +120,7 @@ Status check_render_settings(const WorkspaceMap& map, const DeviceLimits& device
                            ", not ", options.max_moves),
                     "max_moves");
     }
-    return {};
+    return check_texture(options.texture);
 }
 
 Result<HapticRenderer> make_haptic_renderer(const MeshIndex& index, const WorkspaceMap& map,

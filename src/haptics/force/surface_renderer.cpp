@@ -1,5 +1,6 @@
 #include "haptics/force/surface_renderer.h"
 
+#include "haptics/surface/height_field.h"
 #include "proxima/touch_scene.h"
 
 #include <algorithm>
@@ -15,6 +16,7 @@ constexpr double most_coordinate = 1e150;
 RenderOptions limited_options(RenderOptions options, const DeviceLimits& device)
 {
     options.force = limited(options.force, device);
+    options.texture = limited(options.texture, options.force.stiffness, device);
     return options;
 }
 
@@ -41,7 +43,8 @@ SurfaceRenderer::SurfaceRenderer(RenderedSurface rendered, const WorkspaceMap& m
       device_(device), map_(map), options_(limited_options(options, device)),
       proxy_(surface_, proxy_options(options, map, rendered.properties)), probe_(std::move(probe)),
       guard_(options_.force, device.max_force), passivity_(options_.guard, device),
-      ramp_observer_(device.max_damping)
+      ramp_observer_(device.max_damping),
+      texture_(options_.texture, rendered.properties, device, map.units_per_metre)
 {
     if (scene_ != nullptr) settle_scratch_.emplace();
 }
@@ -148,15 +151,71 @@ Vec3 SurfaceRenderer::surface_velocity(const ProxyTick& proxy) const noexcept
     return pressures > 0 ? Vec3(sum / (pressures * map_.units_per_metre)) : Vec3(Vec3::Zero());
 }
 
+/// Stiffness of the contacts, a mean by pressure.
+double SurfaceRenderer::mean_stiffness(const ProxyTick& proxy) const noexcept
+{
+    const double own = options_.force.stiffness;
+    if (properties_ == nullptr) return own;
+    double pressures = 0;
+    double stiffness = 0;
+    for (const Contact& each : std::span(proxy.slide.contacts).first(proxy.slide.contact_count)) {
+        const auto material = properties_->material(each.triangle);
+        stiffness +=
+            each.pressure * (material ? std::min(material->stiffness, device_.max_stiffness) : own);
+        pressures += each.pressure;
+    }
+    return pressures > 0 ? stiffness / pressures : own;
+}
+
+/// Advances the texture under the proxy, if there is one.
+void SurfaceRenderer::feel_texture(const ProxyTick& proxy, const Vec3& velocity,
+                                   double seconds) noexcept
+{
+    textured_ = {};
+    if (tick_.fault == InputFault::jumped) texture_.release(seconds);
+    if (texture_.touches(proxy)) {
+        const bool steady = guard_.ramp() >= 1 && tick_.fault == InputFault::none &&
+                            tick_.condition == InputCondition::well;
+        textured_ = texture_.pass(proxy, {.stiffness = mean_stiffness(proxy),
+                                          .position = tick_.position - ground_,
+                                          .velocity = velocity,
+                                          .ground = ground_,
+                                          .seconds = seconds,
+                                          .damps = options_.guard == Guard::on,
+                                          .taps = steady && passivity_.softness() >= 1});
+    } else {
+        texture_.release(seconds);
+    }
+    proxy_.set_grip(textured_.grip);
+    tick_.texture = Vec3::Zero();
+    if (!textured_.acts) return;
+    tick_.texture =
+        texture_force(proxy, velocity) - mean_stiffness(proxy) * textured_.groove * proxy.normal;
+}
+
+/// What the texture adds along the surface.
+Vec3 SurfaceRenderer::texture_force(const ProxyTick& proxy, const Vec3& velocity) const noexcept
+{
+    const Vec3 along = velocity - velocity.dot(proxy.normal) * proxy.normal;
+    return textured_.along - (textured_.viscosity + textured_.added_damping) * along;
+}
+
+/// The tap of this tick, which never makes the force pull against the contact's normal.
+Vec3 SurfaceRenderer::tap_force(const ProxyTick& proxy, const Vec3& force) noexcept
+{
+    tick_.tap = texture_.tap();
+    if (tick_.tap == 0) return Vec3::Zero();
+    tick_.tap = std::max(tick_.tap, -std::max(force.dot(proxy.normal), 0.0));
+    return tick_.tap * proxy.normal;
+}
+
 /// Spring and damper. Objects of different materials push with their own stiffness along their
 /// normals. Damping and the spring of friction use means, weighted by pressure.
-Vec3 SurfaceRenderer::spring(const ProxyTick& proxy, const Vec3& device,
-                             const Vec3& velocity) const noexcept
+Vec3 SurfaceRenderer::smooth_spring(const ProxyTick& proxy, const SpringContact& contact,
+                                    const Vec3& velocity) const noexcept
 {
-    const bool touching = proxy.hold != Hold::free;
-    const Vec3 stretch = (proxy.anchor - device) / map_.units_per_metre;
-    const SpringContact contact = {touching, stretch, proxy.normal};
-    if (properties_ == nullptr || !touching) return spring_force(options_.force, contact, velocity);
+    if (properties_ == nullptr || !contact.touching)
+        return spring_force(options_.force, contact, velocity);
     ForceOptions mean = options_.force;
     Vec3 pushes = Vec3::Zero();    // N: with each contact's own stiffness
     Vec3 stretches = Vec3::Zero(); // m: their part of the stretch
@@ -181,6 +240,18 @@ Vec3 SurfaceRenderer::spring(const ProxyTick& proxy, const Vec3& device,
     mean.stiffness = stiffness / pressures;
     mean.damping = damping / pressures;
     return spring_force(mean, contact, velocity) + (pushes - mean.stiffness * stretches);
+}
+
+/// Spring and damper with the texture, whose grooves lessen the depth.
+Vec3 SurfaceRenderer::spring(const ProxyTick& proxy, const Vec3& device,
+                             const Vec3& velocity) const noexcept
+{
+    const Vec3 stretch = (proxy.anchor - device) / map_.units_per_metre;
+    SpringContact contact = {proxy.hold != Hold::free, stretch, proxy.normal};
+    if (!textured_.acts) return smooth_spring(proxy, contact, velocity);
+    if (!textured_.presses) return Vec3::Zero();
+    contact.stretch -= textured_.groove * proxy.normal;
+    return smooth_spring(proxy, contact, velocity) + texture_force(proxy, velocity);
 }
 
 /// Places the proxy, unless a closed body contains its place: then it waits for the device.
@@ -223,6 +294,9 @@ void SurfaceRenderer::reset() noexcept
     guard_.restart();
     passivity_.reset();
     ramp_observer_.restart();
+    texture_.reset();
+    textured_ = {};
+    proxy_.set_grip(1);
 }
 
 void SurfaceRenderer::place(const Vec3& device) noexcept
@@ -280,12 +354,14 @@ const RenderTick& SurfaceRenderer::tick(const DeviceState& state, double seconds
         velocity -= tick_.surface_velocity;
         ground_ += advanced * tick_.surface_velocity;
     }
+    if (!probe_) feel_texture(proxy, velocity, seconds);
     tick_.spring = probe_ ? penalty_force(options_.force, proxy.depth / map_.units_per_metre,
                                           proxy.normal, velocity)
                           : spring(proxy, device, velocity);
     if (tick_.fault == InputFault::jumped && !probe_) {
         // The proxy may still be on its way: the force rises from the next tick on.
         tick_.force = Vec3::Zero();
+        tick_.tap = 0;
         return tick_;
     }
     Vec3 force = tick_.spring;
@@ -307,10 +383,12 @@ const RenderTick& SurfaceRenderer::tick(const DeviceState& state, double seconds
             ground_ = Vec3::Zero();
         }
     }
+    const Vec3 tap = tap_force(proxy, force);
+    if (tick_.tap != 0) force += tap;
     const bool available = patch == Patch::available && tick_.fault != InputFault::not_finite &&
                            state.condition == InputCondition::well;
     tick_.force = guard_.pass(force, seconds, available ? Patch::available : Patch::lost);
-    passivity_.applied(tick_.force);
+    passivity_.applied(tick_.tap != 0 ? Vec3(tick_.force - tap) : tick_.force);
     ramp_observer_.applied(tick_.force);
     return tick_;
 }

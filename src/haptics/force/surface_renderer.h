@@ -14,6 +14,7 @@
 #include "haptics/force/passivity.h"
 #include "haptics/force/penalty_probe.h"
 #include "haptics/force/ramp_observer.h"
+#include "haptics/force/surface_texture.h"
 #include "haptics/proxy/proxy.h"
 #include "haptics/scene/move_with_objects.h"
 #include "haptics/scene/moving_surface.h"
@@ -59,6 +60,8 @@ public:
     [[nodiscard]] const ForceGuard& guard() const noexcept { return guard_; }
     [[nodiscard]] const PassivityGuard& passivity() const noexcept { return passivity_; }
 
+    [[nodiscard]] const TextureForce& texture() const noexcept { return texture_; }
+
     /// Like HapticRenderer::tick().
     const RenderTick& tick(const DeviceState& state, double seconds, Patch patch) noexcept;
 
@@ -103,6 +106,12 @@ private:
     [[nodiscard]] Vec3 settle(const Vec3& position, const Vec3& goal) noexcept;
     void start_anew() noexcept;
     [[nodiscard]] Vec3 surface_velocity(const ProxyTick& proxy) const noexcept;
+    [[nodiscard]] double mean_stiffness(const ProxyTick& proxy) const noexcept;
+    void feel_texture(const ProxyTick& proxy, const Vec3& velocity, double seconds) noexcept;
+    [[nodiscard]] Vec3 texture_force(const ProxyTick& proxy, const Vec3& velocity) const noexcept;
+    [[nodiscard]] Vec3 tap_force(const ProxyTick& proxy, const Vec3& force) noexcept;
+    [[nodiscard]] Vec3 smooth_spring(const ProxyTick& proxy, const SpringContact& contact,
+                                     const Vec3& velocity) const noexcept;
     [[nodiscard]] Vec3 spring(const ProxyTick& proxy, const Vec3& device,
                               const Vec3& velocity) const noexcept;
     [[nodiscard]] ContactForce contact_force(const ProxyTick& proxy, const Vec3& device,
@@ -121,6 +130,8 @@ private:
     ForceGuard guard_;
     PassivityGuard passivity_;
     RampObserver ramp_observer_;
+    TextureForce texture_;
+    TextureTick textured_; ///< of this tick
     RenderTick tick_;
     CarryScratch carry_scratch_;
     std::optional<SlideScratch> settle_scratch_; ///< of a scene

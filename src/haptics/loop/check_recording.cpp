@@ -2,6 +2,7 @@
 
 #include "base/text.h"
 #include "haptics/scene/object_script.h"
+#include "haptics/surface/height_field.h"
 
 #include <array>
 #include <cmath>
@@ -80,12 +81,20 @@ Status check_frictions(double dynamic, double fixed, const std::string& of = {})
     return out_of_range(concat(of, "dynamic_friction"), dynamic, {0, fixed});
 }
 
+Status check_recorded_texture(const SurfaceTexture& texture, const std::string& of = {})
+{
+    const Status status = check_texture(texture);
+    if (status) return {};
+    return fail(ErrorCode::malformed_file,
+                concat(of, status.error().message, ": record the session again"));
+}
+
 Status check_settings(const RecordingSettings& settings)
 {
     const RenderOptions& render = settings.render;
     const ForceOptions& force = render.force;
     const Vec3& center = settings.map.center;
-    const Status status = check_fields(
+    Status status = check_fields(
         std::array<Field, 17>{{{"tick_seconds", settings.tick_seconds, tick_range},
                                {"units_per_metre", settings.map.units_per_metre, scale_range},
                                {"center x", center.x(), coordinate_range},
@@ -103,7 +112,8 @@ Status check_settings(const RecordingSettings& settings)
                                {"max_force", settings.max_force, force_range},
                                {"max_stiffness", settings.max_stiffness, strength_range},
                                {"max_damping", settings.max_damping, strength_range}}});
-    return status ? check_frictions(render.dynamic_friction, render.static_friction) : status;
+    if (status) status = check_frictions(render.dynamic_friction, render.static_friction);
+    return status ? check_recorded_texture(render.texture) : status;
 }
 
 Status check_object(const ScriptedObject& object, std::size_t number)
@@ -118,6 +128,9 @@ Status check_object(const ScriptedObject& object, std::size_t number)
     if (status = check_script(object.script); !status) {
         return fail(ErrorCode::malformed_file,
                     concat(of, status.error().message, ": record the session again"));
+    }
+    if (object.texture) {
+        if (status = check_recorded_texture(*object.texture, of); !status) return status;
     }
     if (!object.material) return {};
     const SurfaceMaterial& material = *object.material;

@@ -23,11 +23,13 @@ enum Section : std::uint32_t {
     fingerprints_of_objects_section = 5,
     force_law_section = 6, ///< since version 4
     room_section = 7,      ///< since version 5
-    messages_section = 8
+    messages_section = 8,
+    textures_section = 9 ///< of the settings, then of each object
 };
 constexpr std::uint32_t first_version_with_objects = 3;
 constexpr std::uint32_t first_version_with_force_laws = 4;
 constexpr std::uint32_t first_version_with_messages = 5;
+constexpr std::uint32_t first_version_with_textures = 5;
 
 /// The greatest number that stands for a Guard.
 constexpr int last_guard = 2;
@@ -87,6 +89,21 @@ struct MessageNumbers {
     double material_seconds;
 };
 static_assert(sizeof(MessageNumbers) == 27 * sizeof(double));
+/// A texture, in the order of the file.
+struct TextureNumbers {
+    double is_there; ///< 0 or 1; without one the others are those of no texture
+    double shape;    ///< BumpShape
+    double amplitude;
+    double wavelength;
+    double direction[3];
+    double viscosity;
+    double stick_stiffness;
+    double stick_max_force;
+    double tap_gain;
+    double tap_frequency;
+    double tap_decay;
+};
+static_assert(sizeof(TextureNumbers) == 13 * sizeof(double));
 
 std::array<double, 3> numbers(const Vec3& v) noexcept
 {
@@ -242,6 +259,66 @@ Result<ScriptedObject> object_of(const ObjectNumbers& numbers, std::uint64_t fin
     return object;
 }
 
+TextureNumbers numbers(const std::optional<SurfaceTexture>& given) noexcept
+{
+    const SurfaceTexture texture = given.value_or(SurfaceTexture{});
+    const Bump& bump = texture.bump;
+    return {given ? 1.0 : 0.0,
+            static_cast<double>(bump.shape),
+            bump.amplitude,
+            bump.wavelength,
+            {bump.direction.x(), bump.direction.y(), bump.direction.z()},
+            texture.viscosity,
+            texture.stick_slip.stiffness,
+            texture.stick_slip.max_force,
+            texture.tap.gain,
+            texture.tap.frequency,
+            texture.tap.decay};
+}
+
+SurfaceTexture texture_of(const TextureNumbers& numbers) noexcept
+{
+    return {
+        .bump = {.shape = static_cast<BumpShape>(numbers.shape),
+                 .amplitude = numbers.amplitude,
+                 .wavelength = numbers.wavelength,
+                 .direction =
+                     Vec3(numbers.direction[0], numbers.direction[1], numbers.direction[2])},
+        .viscosity = numbers.viscosity,
+        .stick_slip = {.stiffness = numbers.stick_stiffness, .max_force = numbers.stick_max_force},
+        .tap = {.gain = numbers.tap_gain,
+                .frequency = numbers.tap_frequency,
+                .decay = numbers.tap_decay}};
+}
+
+/// Gives settings and objects their textures; none for files that are older.
+Status read_textures(const BinaryFile& file, RecordingSettings& settings)
+{
+    if (file.version() < first_version_with_textures) return {};
+    const auto rows = file.section<TextureNumbers>(textures_section);
+    if (!rows) return tl::unexpected(rows.error());
+    if (rows->size() != settings.objects.size() + 1) {
+        return fail(ErrorCode::malformed_file,
+                    concat("there are ", rows->size(), " textures and must be ",
+                           settings.objects.size() + 1, ": record the session again"));
+    }
+    for (std::size_t i = 0; i < rows->size(); ++i) {
+        const TextureNumbers& row = (*rows)[i];
+        const std::string of = concat("texture ", i, ": ");
+        constexpr auto last_shape = static_cast<int>(BumpShape::noise);
+        Status status = check_choice(of + "shape", row.shape, last_shape);
+        if (status) status = check_choice(of + "is_there", row.is_there, 1);
+        if (!status) return status;
+        if (row.is_there == 0) continue;
+        if (i == 0) {
+            settings.render.texture = texture_of(row);
+        } else {
+            settings.objects[i - 1].texture = texture_of(row);
+        }
+    }
+    return {};
+}
+
 /// Empty for files that are older.
 Result<std::vector<ScriptedObject>> objects_of(const BinaryFile& file)
 {
@@ -362,6 +439,8 @@ Result<Recording> recording_of(const BinaryFile& file)
                     "penalty forces are not available for a scene: record the session again");
     }
     recording.settings.objects = std::move(*objects);
+    if (Status status = read_textures(file, recording.settings); !status)
+        return tl::unexpected(status.error());
     recording.ticks.assign(ticks->begin(), ticks->end());
     if (Status status = read_messages(file, recording); !status)
         return tl::unexpected(status.error());
@@ -428,16 +507,19 @@ Status save_recording(const Recording& recording, const std::filesystem::path& p
     const std::uint64_t fingerprint = recording.settings.mesh_fingerprint;
     std::vector<ObjectNumbers> objects;
     std::vector<std::uint64_t> fingerprints;
+    std::vector<TextureNumbers> textures = {
+        numbers(std::optional(recording.settings.render.texture))};
     for (const ScriptedObject& object : recording.settings.objects) {
         objects.push_back(numbers(object));
         fingerprints.push_back(object.mesh_fingerprint);
+        textures.push_back(numbers(object.texture));
     }
     std::vector<MessageNumbers> messages;
     messages.reserve(recording.messages.size());
     for (const SceneMessage& message : recording.messages) messages.push_back(numbers(message));
     const auto law = static_cast<std::uint32_t>(recording.settings.law);
     const double room = recording.settings.room;
-    const std::array<BinarySection, 8> sections = {
+    const std::array<BinarySection, 9> sections = {
         {{fingerprint_section, sizeof fingerprint, std::as_bytes(std::span(&fingerprint, 1))},
          {settings_section, sizeof settings, std::as_bytes(std::span(&settings, 1))},
          {ticks_section, sizeof(RecordedTick), std::as_bytes(std::span(recording.ticks))},
@@ -446,14 +528,15 @@ Status save_recording(const Recording& recording, const std::filesystem::path& p
           std::as_bytes(std::span(fingerprints))},
          {force_law_section, sizeof law, std::as_bytes(std::span(&law, 1))},
          {room_section, sizeof room, std::as_bytes(std::span(&room, 1))},
-         {messages_section, sizeof(MessageNumbers), std::as_bytes(std::span(messages))}}};
+         {messages_section, sizeof(MessageNumbers), std::as_bytes(std::span(messages))},
+
+         {textures_section, sizeof(TextureNumbers), std::as_bytes(std::span(textures))}}};
     return write_binary_file(path, format, sections, progress);
 }
 
 Result<Recording> load_recording(const std::filesystem::path& path, Progress* progress)
 {
-    return recording_of(BinaryFile::open(path, format, {.progress = progress}),
-                        path.string());
+    return recording_of(BinaryFile::open(path, format, {.progress = progress}), path.string());
 }
 
 Result<Recording> load_recording(std::span<const std::byte> bytes,

@@ -44,14 +44,14 @@ bool Proxy::find_free(const Vec3& p) noexcept
 
 Proxy::Friction Proxy::friction_of(const SlideResult& slide) const noexcept
 {
-    const Friction own = {options_.static_friction, options_.dynamic_friction};
+    const Friction own = {grip_ * options_.static_friction, grip_ * options_.dynamic_friction};
     if (options_.properties == nullptr) return own;
     Friction sum;
     double pressures = 0;
     for (const Contact& contact : std::span(slide.contacts).first(slide.contact_count)) {
         Friction friction = own;
         if (const auto material = options_.properties->material(contact.triangle))
-            friction = {material->static_friction, material->dynamic_friction};
+            friction = {grip_ * material->static_friction, grip_ * material->dynamic_friction};
         sum.fixed += contact.pressure * friction.fixed;
         sum.sliding += contact.pressure * friction.sliding;
         pressures += contact.pressure;

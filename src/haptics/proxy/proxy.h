@@ -82,6 +82,10 @@ public:
         tick_.slide.center = without_friction;
     }
 
+    /// The part of the contact's pressure that friction counts from the next tick on: 1 but for
+    /// surfaces with grooves. \pre 0 <= part <= 1
+    void set_grip(double part) noexcept { grip_ = part; }
+
     /// A tick in which the proxy is not placed. \pre p is finite
     const ProxyTick& wait(const Vec3& p) noexcept;
 
@@ -121,6 +125,7 @@ private:
     const ContactSurface& surface_;
     ProxyOptions options_;
     double radius_;
+    double grip_ = 1;
     SlideScratch scratch_;
     SlideScratch frictionless_scratch_; ///< of the frictionless position where friction parts them
     ProxyTick tick_;

@@ -4,6 +4,7 @@
 #include "haptics/scene/material_change.h"
 #include "haptics/surface/changing_surface.h"
 #include "haptics/surface/exits.h"
+#include "haptics/surface/height_field.h"
 #include "index/check_edges.h"
 #include "proxima/mesh_index.h"
 
@@ -30,6 +31,10 @@ public:
     {
         if (options_.material && !is_valid(*options_.material))
             return fail(ErrorCode::invalid_argument, material_rule);
+        if (options_.texture) {
+            if (Status status = check_texture(*options_.texture); !status)
+                return tl::unexpected(status.error());
+        }
         ContactBody& body = *body_;
         body.mesh_ = std::move(mesh);
         auto topology = build_topology(body.mesh_, {.execution = options_.execution});
@@ -61,6 +66,7 @@ public:
         if (options_.shading == ForceShading::on)
             body.normals_ = std::make_unique<ShadingNormals>(body.mesh_, *body.topology_);
         body.material_ = options_.material;
+        body.texture_ = options_.texture;
         return std::move(body_);
     }
 
@@ -83,6 +89,7 @@ public:
         if (built.normals() != nullptr)
             body.normals_ = std::make_unique<ShadingNormals>(body.mesh_, *body.topology_);
         body.material_ = built.material();
+        body.texture_ = built.texture();
         return std::move(body_);
     }
 

@@ -54,6 +54,7 @@ public:
     {
         return material_;
     }
+    [[nodiscard]] const std::optional<SurfaceTexture>& texture() const noexcept { return texture_; }
     /// Null for a body without shading.
     [[nodiscard]] const ShadingNormals* normals() const noexcept { return normals_.get(); }
 
@@ -79,11 +80,12 @@ private:
     std::unique_ptr<const ContactSurface> surface_;
     std::unique_ptr<ShadingNormals> normals_;
     std::optional<SurfaceMaterial> material_;
+    std::optional<SurfaceTexture> texture_;
 };
 
 /// Builds a body and its index, without lists. Errors: those of build_topology, build_mesh_index and
 /// with_signs; invalid_argument for materials that are not finite, negative, or of more dynamic
-/// than static friction.
+/// than static friction; those of check_texture.
 [[nodiscard]] Result<std::unique_ptr<const ContactBody>>
 build_contact_body(TriangleMesh mesh, const TouchBodyOptions& options = {},
                    BodySearch search = BodySearch::index);

@@ -315,6 +315,17 @@ std::optional<SurfaceMaterial> MovingSurface::material(TriangleId triangle) cons
     return given ? given : slot.body().material();
 }
 
+const SurfaceTexture* MovingSurface::texture(TriangleId triangle) const noexcept
+{
+    const auto& texture = objects_[to_index(object_of(triangle))]->body().texture();
+    return texture ? &*texture : nullptr;
+}
+
+RigidTransform MovingSurface::pose(TriangleId triangle) const noexcept
+{
+    return objects_[to_index(object_of(triangle))]->trajectory.now();
+}
+
 Vec3 MovingSurface::shaded_normal(TriangleId triangle, const Vec3& point) const noexcept
 {
     const Slot& slot = *objects_[to_index(object_of(triangle))];

@@ -111,6 +111,8 @@ public:
     material(TriangleId triangle) const noexcept override;
     [[nodiscard]] Vec3 shaded_normal(TriangleId triangle,
                                      const Vec3& point) const noexcept override;
+    [[nodiscard]] const SurfaceTexture* texture(TriangleId triangle) const noexcept override;
+    [[nodiscard]] RigidTransform pose(TriangleId triangle) const noexcept override;
 
 private:
     /// A ball that is known to be free of an object at its present pose, in the scene's frame.

@@ -28,13 +28,14 @@ struct ScriptedObject {
     std::uint64_t mesh_fingerprint = 0;
     RigidTransform pose; ///< at the beginning
     ObjectScript script;
-    std::optional<SurfaceMaterial> material; ///< none: the renderer's own
+    std::optional<SurfaceMaterial> material;    ///< none: the renderer's own
+    std::optional<SurfaceTexture> texture = {}; ///< none: the renderer's own
 };
 
 /// send_motions(), rewind() and the scene's ticks by one thread.
 class ScriptedScene {
 public:
-    /// With a body for each object, built with its material. Where somebody else moves the objects as
+    /// With a body for each object, built with its material and texture. Where somebody else moves the objects as
     /// well (scene_message.h), the scene reaches `room` diagonals beyond the scripts' bounds. Errors:
     /// those of check_script and TouchScene::add. \pre room >= 0
     [[nodiscard]] static Result<std::unique_ptr<ScriptedScene>>

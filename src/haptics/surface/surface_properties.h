@@ -1,4 +1,4 @@
-// Properties of a surface beside its shape: material and smooth normals, by triangle.
+// Properties of a surface beside its shape: material, texture and smooth normals, by triangle.
 #pragma once
 
 #include "proxima/geometry.h"
@@ -25,6 +25,15 @@ public:
     /// triangle faces; zero where the surface is not smooth. \pre the point is on the triangle
     [[nodiscard]] virtual Vec3 shaded_normal(TriangleId triangle,
                                              const Vec3& point) const noexcept = 0;
+
+    /// Texture of a triangle; null where the renderer's own holds.
+    [[nodiscard]] virtual const SurfaceTexture* texture(TriangleId /*triangle*/) const noexcept
+    {
+        return nullptr;
+    }
+
+    /// From the frame of a triangle's object, to which textures belong, to that of the surface.
+    [[nodiscard]] virtual RigidTransform pose(TriangleId /*triangle*/) const noexcept { return {}; }
 };
 
 } // namespace proxima

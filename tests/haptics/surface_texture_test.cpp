@@ -1,0 +1,773 @@
+// Textures against closed forms, what energy they give, and that they change nothing where they are
+// off.
+#include "haptics/force/surface_texture.h"
+
+#include "counted_allocations.h"
+#include "folder_test.h"
+#include "haptics/force/surface_renderer.h"
+#include "haptics/loop/recording.h"
+#include "haptics/spring_alone.h"
+#include "haptics/surface/contact_surface.h"
+#include "haptics/surface/height_field.h"
+#include "haptics/surface/wave.h"
+#include "haptics/touch_meshes.h"
+#include "lab/simulated_hand.h"
+#include "octree/small_meshes.h"
+#include "proxima/mesh_index.h"
+#include "proxima/sample_meshes.h"
+#include "proxima/touch_scene.h"
+
+#include <Eigen/Eigenvalues>
+#include <gtest/gtest.h>
+
+#include <array>
+#include <cmath>
+#include <functional>
+#include <limits>
+#include <numbers>
+#include <random>
+#include <string>
+#include <vector>
+
+namespace proxima {
+namespace {
+
+using testing::cube_mesh;
+using testing::spring_alone;
+
+constexpr double tick_seconds = 1e-3;
+constexpr double stiffness = 500;
+const DeviceLimits omni = *find_device("omni");
+
+DeviceState state_at(const Vec3& position, const Vec3& velocity = Vec3::Zero())
+{
+    DeviceState state;
+    state.pose.translation = position;
+    state.velocity = velocity;
+    return state;
+}
+
+/// A renderer of the upper face of a cube, z = 0, in the device's metres.
+class Table {
+public:
+    explicit Table(const RenderOptions& options, const DeviceLimits& device = omni)
+        : mesh_(cube_mesh(Vec3(0, 0, -0.5), 0.5)), surface_(mesh_),
+          renderer_(make_surface_renderer(surface_, {1, Vec3::Zero()}, device, options))
+    {}
+
+    /// Moves there straight, with the velocity of that.
+    const RenderTick& go(const Vec3& position)
+    {
+        const Vec3 velocity = started_ ? Vec3((position - before_) / tick_seconds) : Vec3(0, 0, 0);
+        started_ = true;
+        before_ = position;
+        return renderer_.tick(state_at(position, velocity), tick_seconds);
+    }
+    /// Rests above the table until contacts are forgotten and all ramps are over.
+    void rest(const Vec3& position)
+    {
+        for (int tick = 0; tick < 400; ++tick) go(position);
+    }
+    [[nodiscard]] const HapticRenderer& renderer() const { return renderer_; }
+    [[nodiscard]] HapticRenderer& renderer() { return renderer_; }
+    [[nodiscard]] const TextureReport& report() const
+    {
+        return parts_of(renderer_).texture().report();
+    }
+
+private:
+    TriangleMesh mesh_;
+    MeshContactSurface surface_;
+    HapticRenderer renderer_;
+    Vec3 before_ = Vec3::Zero();
+    bool started_ = false;
+};
+
+RenderOptions with_texture(const SurfaceTexture& texture, RenderOptions options)
+{
+    options.texture = texture;
+    return options;
+}
+
+TEST(Wave, IsSineCosineAndDecay)
+{
+    std::mt19937_64 random(1);
+    std::uniform_real_distribution<double> turns(-20, 20);
+    for (int i = 0; i < 10000; ++i) {
+        const double t = turns(random);
+        const double angle = 2 * std::numbers::pi * (t - std::floor(t));
+        EXPECT_NEAR(wave_at(t).sine, std::sin(angle), 4e-15) << t;
+        EXPECT_NEAR(wave_at(t).cosine, std::cos(angle), 4e-15) << t;
+        const double x = 32 + 1.6 * t;
+        EXPECT_NEAR(decay_of(x) / std::exp(-x), 1, 1e-12) << x;
+    }
+    EXPECT_EQ(wave_at(0.75).sine, -1);
+    EXPECT_EQ(decay_of(0), 1);
+}
+
+TEST(HeightField, SlopeIsTheGradientAndCurvatureIsBounded)
+{
+    const std::uint64_t seed = 7;
+    SCOPED_TRACE(seed);
+    std::mt19937_64 random(seed);
+    std::uniform_real_distribution<double> place(-0.05, 0.05);
+    for (const BumpShape shape : {BumpShape::grating, BumpShape::dimples, BumpShape::noise}) {
+        const Bump bump = {
+            .shape = shape, .amplitude = 1e-4, .wavelength = 0.003, .direction = Vec3(1, 2, -0.5)};
+        // A soft surface on a device of no force: the slope alone limits the amplitude.
+        DeviceLimits weak = omni;
+        weak.max_force = 1e-12;
+        const double steepest = bump.amplitude / most_amplitude(bump, 0, weak);
+        // One of no stiffness: the curvature alone.
+        const double curved =
+            bump.amplitude * omni.max_stiffness / most_amplitude(bump, 0, omni) / omni.max_force;
+        double steep = 0;
+        double bent = 0;
+        for (int i = 0; i < 3000; ++i) {
+            const Vec3 p(place(random), place(random), place(random));
+            const Groove groove = groove_at(bump, p);
+            EXPECT_GE(groove.depth, 0);
+            EXPECT_LE(groove.depth, 2 * bump.amplitude * (1 + 1e-15));
+            Mat3 hessian;
+            for (Eigen::Index axis = 0; axis < 3; ++axis) {
+                constexpr double h = 1e-6;
+                const Groove up = groove_at(bump, p + h * Vec3::Unit(axis));
+                const Groove down = groove_at(bump, p - h * Vec3::Unit(axis));
+                EXPECT_NEAR((up.depth - down.depth) / (2 * h), groove.slope[axis], 1e-5 * steepest);
+                hessian.col(axis) = (up.slope - down.slope) / (2 * h);
+            }
+            steep = std::max(steep, groove.slope.norm());
+            bent = std::max(bent, hessian.operatorNorm());
+        }
+        EXPECT_LE(steep, steepest * (1 + 1e-9)) << static_cast<int>(shape);
+        EXPECT_LE(bent, curved * (1 + 1e-3)) << static_cast<int>(shape);
+        // The bounds are no more than six times what is met.
+        EXPECT_GE(6 * steep, steepest) << static_cast<int>(shape);
+        EXPECT_GE(6 * bent, curved) << static_cast<int>(shape);
+    }
+}
+
+TEST(SurfaceTexture, GratingPushesAsItsClosedForm)
+{
+    const double amplitude = 6e-5;
+    const double wavelength = 0.004;
+    const Vec3 along = Vec3(3, 4, 0) / 5;
+    const SurfaceTexture texture = {.bump = {.shape = BumpShape::grating,
+                                             .amplitude = amplitude,
+                                             .wavelength = wavelength,
+                                             .direction = 2 * along}};
+    Table table(with_texture(texture, spring_alone(stiffness)));
+    ASSERT_EQ(table.renderer().options().texture.bump.amplitude, amplitude); // not limited
+    table.rest(Vec3(0, 0, 0.001));
+    const double k = 2 * std::numbers::pi / wavelength;
+    double greatest = 0;
+    int in_grooves = 0;
+    for (int tick = 0; tick < 4000; ++tick) {
+        const double x = 1e-5 * tick;
+        const double depth = 0.001 * (1 - std::cos(1e-3 * tick)); // from 0 on: into the grooves
+        const RenderTick& felt = table.go(x * along + Vec3(0.001, -0.00075, -depth));
+        const double left = std::max(depth - amplitude * (1 - std::cos(k * x)), 0.0);
+        const Vec3 expected = stiffness * left * Vec3::UnitZ() +
+                              stiffness * left * amplitude * k * std::sin(k * x) * along;
+        EXPECT_LT((felt.force - expected).norm(), 1e-6) << tick;
+        greatest = std::max(greatest, std::abs(felt.force.dot(along)));
+        in_grooves += depth > 1e-6 && left == 0 ? 1 : 0;
+    }
+    EXPECT_GT(greatest, 0.05);
+    EXPECT_GT(in_grooves, 20);
+}
+
+TEST(SurfaceTexture, FrictionCountsThePressureThatIsLeft)
+{
+    constexpr double amplitude = 6e-5;
+    constexpr double depth = 1.5e-4;
+    RenderOptions options = spring_alone(stiffness);
+    options.static_friction = 0.4;
+    options.dynamic_friction = 0.3;
+    options.texture.bump = {
+        .shape = BumpShape::grating, .amplitude = amplitude, .wavelength = 0.004};
+    // Along a crest, half way down, and along the ground of a groove.
+    for (const double x : {0.0, 0.001, 0.002}) {
+        Table table(options);
+        table.rest(Vec3(x, 0, 0.001));
+        table.go(Vec3(x, 0, -depth));
+        for (int tick = 1; tick <= 200; ++tick) table.go(Vec3(x, 2e-5 * tick, -depth));
+        const double groove = amplitude * (1 - std::cos(2 * std::numbers::pi * x / 0.004));
+        const Vec3 force = table.renderer().last().force;
+        EXPECT_NEAR(force.z(), stiffness * (depth - groove), 1e-6) << x;
+        EXPECT_NEAR(force.y(), -0.3 * stiffness * (depth - groove), 1e-6) << x;
+    }
+}
+
+TEST(SurfaceTexture, AmplitudeIsLimitedByStiffnessWavelengthAndDevice)
+{
+    // K s^2 A^2 + F c A = K max, with s = 2 pi / L and c = s^2.
+    for (const double wavelength : {5e-4, 0.002, 0.02, 0.5}) {
+        const Bump bump = {
+            .shape = BumpShape::grating, .amplitude = 0.01, .wavelength = wavelength};
+        const double a = most_amplitude(bump, stiffness, omni);
+        const double s = 2 * std::numbers::pi / wavelength;
+        const double added = stiffness * s * s * a * a + omni.max_force * s * s * a;
+        EXPECT_LE(added, omni.max_stiffness * (1 + 1e-9)) << wavelength;
+        EXPECT_LE(s * a, 1 + 1e-9) << wavelength;
+        EXPECT_TRUE(s * a > 0.999 || added > 0.999 * omni.max_stiffness) << wavelength;
+        Table table(with_texture({.bump = bump}, spring_alone(stiffness)));
+        EXPECT_EQ(table.renderer().options().texture.bump.amplitude, std::min(a, 0.01));
+    }
+}
+
+TEST(SurfaceTexture, ViscosityIsAgainstTheMotionAlongTheSurface)
+{
+    RenderOptions options = spring_alone(stiffness);
+    options.force.damping = 1;
+    options.texture.viscosity = 1.2;
+    Table table(options);
+    table.rest(Vec3(0, 0, 0.001));
+    EXPECT_EQ(table.go(Vec3(0.001, 0, 0.001)).force, Vec3::Zero()); // not in the air
+    Vec3 at(0.001, 0, -0.002);
+    table.go(at);
+    for (const Vec3& v : {Vec3(0.1, 0, 0), Vec3(-0.03, 0.04, -0.05), Vec3(0, 0, -0.1)}) {
+        at += tick_seconds * v;
+        const Vec3 expected(-1.2 * v.x(), -1.2 * v.y(), -stiffness * at.z() - 1 * v.z());
+        EXPECT_LT((table.go(at).force - expected).norm(), 1e-6);
+    }
+    options.texture.viscosity = 1000;
+    EXPECT_EQ(Table(options).renderer().options().texture.viscosity, omni.max_damping / 4);
+}
+
+TEST(SurfaceTexture, StickSlipIsASawtooth)
+{
+    RenderOptions options = spring_alone(stiffness);
+    options.texture.stick_slip = {.stiffness = 150, .max_force = 0.5};
+    Table table(options);
+    table.rest(Vec3(0, 0, 0.001));
+    double stick = 0;
+    std::uint64_t slips = 0;
+    for (int tick = 0; tick < 200; ++tick) {
+        const double x = 7e-5 * tick;
+        const RenderTick& felt = table.go(Vec3(x, 0, -0.002));
+        if (150 * (x - stick) > 0.5) {
+            stick = x;
+            ++slips;
+        }
+        EXPECT_LT((felt.force - Vec3(-150 * (x - stick), 0, stiffness * 0.002)).norm(), 1e-6);
+    }
+    EXPECT_GE(slips, 4U);
+    EXPECT_EQ(table.report().slips, slips);
+    // It sticks anew where it touches again.
+    table.go(Vec3(0.02, 0, 0.001));
+    table.go(Vec3(0.021, 0, -0.002));
+    EXPECT_LT((table.go(Vec3(0.022, 0, -0.002)).force - Vec3(-0.15, 0, 1)).norm(), 1e-6);
+}
+
+constexpr Tap test_tap = {.gain = 1, .frequency = 150, .decay = 80};
+
+/// Steps into the table at a speed, and on for some ticks. Calls visit(ticks since the impact, tick).
+template <class Visit>
+void tap_at(Table& table, double speed, int ticks, Visit&& visit)
+{
+    double z = 0.01 - 1e-7;
+    table.rest(Vec3(0, 0, z));
+    int since = -1;
+    for (int tick = 0; since < ticks; ++tick) {
+        z -= speed * tick_seconds;
+        const RenderTick& felt = table.go(Vec3(0, 0, z));
+        if (since >= 0 || z < 0) visit(++since, felt);
+    }
+}
+
+TEST(SurfaceTexture, TapIsADecayingSine)
+{
+    RenderOptions options = spring_alone(stiffness);
+    options.texture.tap = test_tap;
+    for (const double speed : {0.05, 0.1}) {
+        Table table(options);
+        double greatest = 0;
+        tap_at(table, speed, 30, [&](int since, const RenderTick& felt) {
+            const double t = tick_seconds * since;
+            const double expected =
+                speed * std::exp(-80 * t) * std::sin(2 * std::numbers::pi * 150 * t);
+            EXPECT_NEAR(felt.tap, expected, 1e-7) << since;
+            EXPECT_NEAR(felt.force.z(), felt.spring.z() + expected, 1e-7) << since;
+            greatest = std::max(greatest, felt.tap);
+        });
+        EXPECT_GT(greatest, 0.6 * speed);
+        EXPECT_EQ(table.report().taps, 1U);
+        tap_at(table, speed, 60, [&](int since, const RenderTick& felt) {
+            if (since > 50) {
+                EXPECT_EQ(felt.tap, 0) << since;
+            }
+        });
+    }
+}
+
+TEST(SurfaceTexture, TapHasAGreatestForce)
+{
+    RenderOptions options = spring_alone(stiffness);
+    options.texture.tap = {.gain = 20, .frequency = 150, .decay = 80};
+    Table table(options);
+    tap_at(table, 0.9, 3,
+           [&](int, const RenderTick& felt) { EXPECT_LE(std::abs(felt.tap), omni.max_force / 2); });
+    EXPECT_EQ(table.report().taps, 1U);
+}
+
+TEST(SurfaceTexture, NoTapWithoutAnImpactInARampOrOnASoftenedWall)
+{
+    const auto taps = [](Table& table, double speed) {
+        tap_at(table, speed, 20, [](int, const RenderTick&) {});
+        return table.report().taps;
+    };
+    RenderOptions options = spring_alone(stiffness);
+    Table off(options);
+    EXPECT_EQ(taps(off, 0.1), 0U);
+    options.texture.tap = test_tap;
+    Table slow(options);
+    EXPECT_EQ(taps(slow, 0.005), 0U);
+    Table on(options);
+    EXPECT_EQ(taps(on, 0.1), 1U);
+    // Fluttering at the surface.
+    for (int tick = 0; tick < 100; ++tick) on.go(Vec3(0, 0, tick % 10 < 5 ? 1e-4 : -4e-4));
+    EXPECT_EQ(on.report().taps, 1U);
+    options.force.start_seconds = 1;
+    Table ramping(options);
+    tap_at(ramping, 0.1, 20, [](int, const RenderTick& felt) { EXPECT_EQ(felt.tap, 0); });
+    options.force.start_seconds = 0;
+    // A guard that has softened: a wall of 5000 N/m that a free mass swings in.
+    DeviceLimits delta = *find_device("delta");
+    options.force.stiffness = delta.max_stiffness;
+    options.guard = Guard::on;
+    Table swinging(options, delta);
+    swinging.rest(Vec3(0, 0, 0.001));
+    for (int tick = 0; tick < 1500; ++tick) {
+        const double z = -0.003 + 0.002 * std::exp(0.002 * tick) * std::sin(0.2 * tick);
+        swinging.go(Vec3(0, 0, std::min(z, -1e-4)));
+    }
+    ASSERT_LT(parts_of(swinging.renderer()).passivity().softness(), 1);
+    const std::uint64_t before = swinging.report().taps;
+    for (int tick = 0; tick < 40; ++tick) swinging.go(Vec3(0, 0, 0.003 - 1e-4 * tick));
+    EXPECT_EQ(swinging.report().taps, before);
+}
+
+TEST(SurfaceTexture, TapGivesNoMoreThanDeclaredToAHandThatMovesWithIt)
+{
+    RenderOptions options = spring_alone(stiffness);
+    options.texture.tap = {.gain = 5, .frequency = 100, .decay = 10};
+    for (const double hand_speed : {0.02, 0.1, 0.5}) {
+        Table table(options);
+        table.rest(Vec3(0, 0, 0.005 - 1e-7));
+        double z = 0.005;
+        double given = 0;
+        double tap = 0;
+        bool deep = false; // from then on the hand moves as the tap pushes
+        for (int tick = 0; tick < 400; ++tick) {
+            const double before = z;
+            z += tick_seconds * (deep ? std::copysign(hand_speed, tap) : -0.1);
+            if (deep) z = std::clamp(z, -0.02, -0.001);
+            given += tap * (z - before);
+            tap = table.go(Vec3(0, 0, z)).tap;
+            deep = deep || z < -0.0015;
+        }
+        ASSERT_EQ(table.report().taps, 1U);
+        const double declared = 5 * 0.1 * 0.1 / (std::numbers::pi * 100);
+        // The next step of a hand that turns at once is not known: a tick of the greatest force more.
+        const double bound = declared + 5 * 0.1 * hand_speed * tick_seconds;
+        EXPECT_LE(given, bound) << hand_speed;
+        EXPECT_LE(table.report().given, bound) << hand_speed;
+        EXPECT_GT(given, 0.1 * declared) << hand_speed;
+        RecordProperty("given_over_declared_" + std::to_string(hand_speed),
+                       std::to_string(given / declared));
+    }
+}
+
+/// A closed path over a mesh, tick by tick.
+struct PathSum {
+    double made = 0;   ///< J, by the trapezoidal sum
+    double length = 0; ///< m
+    double greatest = 0;
+    std::uint64_t damped = 0;
+};
+
+PathSum go_round(const RenderOptions& options, const TriangleMesh& mesh, const Vec3& middle,
+                 const std::function<Vec3(double)>& path, int ticks,
+                 const DeviceLimits& device = omni)
+{
+    const MeshContactSurface surface(mesh);
+    HapticRenderer renderer = make_surface_renderer(surface, {1, Vec3::Zero()}, device, options);
+    Vec3 before = middle + path(0);
+    Vec3 outside = before.normalized() * 1.5;
+    for (int tick = 0; tick <= 2000; ++tick)
+        renderer.tick(state_at(outside + tick / 2000.0 * (before - outside)), tick_seconds);
+    PathSum sum;
+    Vec3 force = renderer.last().force;
+    for (int tick = 1; tick <= ticks; ++tick) {
+        const Vec3 at = middle + path(static_cast<double>(tick) / ticks);
+        const RenderTick& felt =
+            renderer.tick(state_at(at, (at - before) / tick_seconds), tick_seconds);
+        sum.made += 0.5 * (felt.force + force).dot(at - before);
+        sum.length += (at - before).norm();
+        sum.greatest = std::max(sum.greatest, felt.force.norm());
+        force = felt.force;
+        before = at;
+    }
+    sum.damped = parts_of(renderer).texture().report().damped_ticks;
+    return sum;
+}
+
+SurfaceTexture bumpy(BumpShape shape)
+{
+    return {.bump = {.shape = shape,
+                     .amplitude = 6e-5,
+                     .wavelength = 0.004,
+                     .direction = Vec3(1, 0.3, 0.2)}};
+}
+
+TEST(SurfaceTexture, ClosedPathsOnAPlaneMakeNoEnergy)
+{
+    const TriangleMesh cube = cube_mesh(Vec3::Zero(), 0.5);
+    const auto loop = [](double part) {
+        const double angle = 2 * std::numbers::pi * part;
+        return Vec3(0.01 * std::cos(angle), 0.008 * std::sin(2 * angle),
+                    -0.0012 + 0.0011 * std::sin(3 * angle));
+    };
+    for (const BumpShape shape : {BumpShape::grating, BumpShape::dimples, BumpShape::noise}) {
+        RenderOptions options = spring_alone(stiffness);
+        options.texture = bumpy(shape);
+        const Vec3 middle(0.1, 0.05, 0.5);
+        const PathSum coarse = go_round(options, cube, middle, loop, 8000);
+        const PathSum fine = go_round(options, cube, middle, loop, 32000);
+        // The trapezoidal sum is exact to the square of the step: to a millionth of the work done.
+        const double work = coarse.greatest * coarse.length;
+        EXPECT_LT(std::abs(coarse.made), 1e-5 * work) << static_cast<int>(shape);
+        EXPECT_LT(std::abs(fine.made), 1e-6 * work) << static_cast<int>(shape);
+        RecordProperty("made_of_work_" + std::to_string(static_cast<int>(shape)),
+                       std::to_string(1e6 * fine.made / work) + "e-6");
+    }
+}
+
+TEST(SurfaceTexture, PathsOverEdgesMakeNoEnergyBeyondThoseWithoutATexture)
+{
+    // Between its outer edges a proxy drops, which takes energy, with grooves as without.
+    const TriangleMesh ball = *sample_mesh("icosphere:2");
+    const auto loop = [](double part) {
+        const double angle = 2 * std::numbers::pi * part;
+        return Vec3(0.98 * std::cos(angle), 0.98 * std::sin(angle), 0.1 * std::sin(3 * angle));
+    };
+    for (const BumpShape shape : {BumpShape::none, BumpShape::grating, BumpShape::noise}) {
+        RenderOptions options = spring_alone(stiffness);
+        options.texture = bumpy(shape);
+        DeviceLimits strong = omni;
+        strong.max_force = 100;
+        options.texture.bump.wavelength = 0.02;
+        options.texture.bump.amplitude = 2e-4;
+        const PathSum sum = go_round(options, ball, Vec3::Zero(), loop, 60000, strong);
+        EXPECT_LT(sum.made, 1e-6 * sum.greatest * sum.length) << static_cast<int>(shape);
+        EXPECT_GT(sum.greatest, 5) << static_cast<int>(shape);
+    }
+}
+
+/// Rounds about the border of a plain and a textured block, onto the texture on a crest and off it in
+/// a groove: each would give K e 2 A. Returns what all gave, J.
+double made_about_a_border(Guard guard, double amplitude, int rounds, TextureReport& report)
+{
+    const double wavelength = 0.02;
+    TouchScene scene(Box{Vec3(-2, -2, -2), Vec3(2, 2, 2)});
+    const SurfaceTexture waves = {.bump = {.shape = BumpShape::grating,
+                                           .amplitude = amplitude,
+                                           .wavelength = wavelength,
+                                           .direction = Vec3::UnitY()}};
+    const TriangleMesh block = cube_mesh(Vec3::Zero(), 0.5);
+    EXPECT_TRUE(scene.add(*build_touch_body(block), {Mat3::Identity(), Vec3(-0.5, 0, -0.5)}));
+    EXPECT_TRUE(scene.add(*build_touch_body(block, {.texture = waves}),
+                          {Mat3::Identity(), Vec3(0.5, 0, -0.5)}));
+    RenderOptions options = spring_alone(stiffness);
+    options.guard = guard;
+    auto renderer = make_haptic_renderer(scene, {1, Vec3::Zero()}, omni, options);
+    EXPECT_TRUE(renderer);
+    const std::array<Vec3, 5> corners = {
+        Vec3(-0.01, 0, -0.002), Vec3(0.01, 0, -0.002), Vec3(0.01, wavelength / 2, -0.002),
+        Vec3(-0.01, wavelength / 2, -0.002), Vec3(-0.01, 0, -0.002)};
+    Vec3 before(-0.01, 0, 0.002);
+    for (int tick = 0; tick <= 40; ++tick) {
+        before.z() = 0.002 - 1e-4 * tick;
+        renderer->tick(state_at(before), tick_seconds);
+    }
+    double made = 0;
+    Vec3 force = renderer->last().force;
+    for (int round = 0; round < rounds; ++round) {
+        for (std::size_t side = 0; side < 4; ++side) {
+            for (int step = 1; step <= 200; ++step) {
+                const Vec3 at = corners[side] + step / 200.0 * (corners[side + 1] - corners[side]);
+                const RenderTick& felt =
+                    renderer->tick(state_at(at, (at - before) / tick_seconds), tick_seconds);
+                made += 0.5 * (felt.force + force).dot(at - before);
+                force = felt.force;
+                before = at;
+            }
+        }
+    }
+    report = parts_of(*renderer).texture().report();
+    return made;
+}
+
+TEST(SurfaceTexture, ObserverTakesBackWhatABorderOfTexturesGives)
+{
+    constexpr double amplitude = 1e-4;
+    constexpr int rounds = 20;
+    TextureReport report;
+    const double each = stiffness * 0.002 * 2 * amplitude;
+    EXPECT_NEAR(made_about_a_border(Guard::off, amplitude, rounds, report), rounds * each,
+                0.1 * rounds * each);
+    EXPECT_EQ(report.damped_ticks, 0U);
+    // At most what is given once, and is not taken back yet.
+    EXPECT_LT(made_about_a_border(Guard::on, amplitude, rounds, report), each);
+    EXPECT_GT(report.damped_ticks, 100U);
+}
+
+/// A hand that presses on the table and holds still, with no damping but the device's.
+struct HeldHand {
+    DeviceLimits device;
+    SurfaceTexture texture;
+    int delay = 0;
+    Vec3 target = Vec3::Zero(); ///< m
+    Guard guard = Guard::on;
+};
+
+/// The most that the device moves to and fro along any axis in half a second of the last four, m.
+double swing_of(const HeldHand& held)
+{
+    RenderOptions options;
+    options.force.stiffness = held.device.max_stiffness;
+    options.force.damping = 0;
+    options.static_friction = options.dynamic_friction = 0;
+    options.guard = held.guard;
+    options.texture = held.texture;
+    Table table(options, held.device);
+    table.rest(Vec3(0, 0, 0.001));
+    HandModel model;
+    model.device_damping = 0.1;
+    model.hand_damping = 0;
+    model.delay_ticks = held.delay;
+    SimulatedHand hand(model, Vec3(0, 0, 0.001));
+    Box box;
+    double most = 0;
+    for (int tick = 0; tick < 10000; ++tick) {
+        const RenderTick& felt = table.renderer().tick(hand.state(), tick_seconds);
+        EXPECT_LE(felt.force.norm(), held.device.max_force);
+        hand.step(felt.force, held.target);
+        if (!(hand.position().norm() < 0.5)) return 1;
+        if (tick < 6000) continue;
+        if (tick % 500 == 0) box = {};
+        box.extend(hand.position());
+        most = std::max(most, box.extent().maxCoeff() / 2);
+    }
+    return most;
+}
+
+TEST(SurfaceTexture, HardestSettingsOfEveryDeviceEndBelowAMillimetre)
+{
+    const std::vector<std::pair<std::string, SurfaceTexture>> textures = {
+        {"grating",
+         {.bump = {.shape = BumpShape::grating, .amplitude = 0.01, .wavelength = 0.003}}},
+        {"dimples", {.bump = {.shape = BumpShape::dimples, .amplitude = 0.01, .wavelength = 0.02}}},
+        {"noise", {.bump = {.shape = BumpShape::noise, .amplitude = 0.01, .wavelength = 0.001}}},
+        {"viscosity", {.viscosity = 1e9}},
+        {"stick-slip", {.stick_slip = {.stiffness = 1e9, .max_force = 1e9}}},
+        {"short stick-slip", {.stick_slip = {.stiffness = 1e9, .max_force = 0.2}}},
+        {"tap", {.tap = {.gain = 1e9}}},
+        {"all",
+         {.bump = {.shape = BumpShape::noise, .amplitude = 0.01, .wavelength = 0.004},
+          .viscosity = 1,
+          .stick_slip = {.stiffness = 300, .max_force = 0.5},
+          .tap = {.gain = 2}}}};
+    int diverging = 0;
+    for (const DeviceLimits& device : known_devices()) {
+        for (const auto& [name, texture] : textures) {
+            for (const int delay : {0, 1, 3}) {
+                for (const Vec3& target : {Vec3(0.004, 0.002, -0.006), Vec3(0.004, 0, 0)}) {
+                    HeldHand held = {
+                        .device = device, .texture = texture, .delay = delay, .target = target};
+                    EXPECT_LT(swing_of(held), 1e-3) << device.name << ' ' << name << " delay "
+                                                    << delay << " at " << target.transpose();
+                    held.guard = Guard::off;
+                    if (delay == 3 && name == "grating") diverging += swing_of(held) > 5e-3 ? 1 : 0;
+                }
+            }
+        }
+    }
+    EXPECT_GT(diverging, 6); // without the guard
+}
+
+SurfaceTexture random_texture(std::mt19937_64& random)
+{
+    std::uniform_real_distribution<double> unit(0, 1);
+    const auto between = [&](double least, double most) {
+        return least * std::pow(most / least, unit(random));
+    };
+    SurfaceTexture texture;
+    texture.bump.shape = static_cast<BumpShape>(random() % 4);
+    texture.bump.amplitude = random() % 3 == 0 ? 0.01 : between(1e-6, 0.01);
+    texture.bump.wavelength = between(1e-4, 1);
+    texture.bump.direction = Vec3(unit(random) - 0.5, unit(random) - 0.5, 1e-3);
+    texture.viscosity = random() % 2 == 0 ? 0 : between(1e-3, 1e9);
+    if (random() % 2 == 0)
+        texture.stick_slip = {.stiffness = between(1, 1e9), .max_force = between(1e-3, 1e9)};
+    if (random() % 2 == 0) {
+        texture.tap = {
+            .gain = between(1e-2, 1e9), .frequency = between(10, 400), .decay = between(10, 1000)};
+    }
+    return texture;
+}
+
+class TextureRecording : public FolderTest {};
+
+TEST_F(TextureRecording, RandomTexturesKeepTheLimitsAndReplayBitForBit)
+{
+    const std::uint64_t seed = std::random_device()();
+    SCOPED_TRACE("seed " + std::to_string(seed));
+    std::mt19937_64 random(seed);
+    int forces = 0;
+    for (const testing::TouchMesh& touched : testing::touch_meshes()) {
+        const TriangleMesh& mesh = touched.mesh;
+        SCOPED_TRACE(touched.name);
+        const auto index = build_mesh_index(mesh);
+        ASSERT_TRUE(index);
+        const DeviceLimits& device = known_devices()[random() % known_devices().size()];
+        Recording recording;
+        RecordingSettings& settings = recording.settings;
+        settings.map = fit_workspace(bounding_box(mesh), device.workspace_radius);
+        settings.max_force = device.max_force;
+        settings.max_stiffness = device.max_stiffness;
+        settings.max_damping = device.max_damping;
+        RenderOptions options;
+        options.force.stiffness = device.max_stiffness;
+        options.proxy_radius = random() % 2 == 0 ? 0 : 0.002;
+        if (random() % 2 == 0) options.static_friction = options.dynamic_friction = 0;
+        options.texture = random_texture(random);
+        auto renderer = make_haptic_renderer(*index, settings.map, device, options);
+        ASSERT_TRUE(renderer) << describe(renderer.error());
+        settings.render = renderer->options();
+        testing::HandPath path(mesh, static_cast<std::uint32_t>(random()));
+        Vec3 before = settings.map.to_device(path.next());
+        Vec3 force = Vec3::Zero();
+        for (int tick = 0; tick < 1500; ++tick) {
+            const Vec3 at = settings.map.to_device(path.next());
+            const DeviceState state = state_at(at, (at - before) / tick_seconds);
+            before = at;
+            const std::size_t allocations = testing::allocation_count();
+            const RenderTick& felt = renderer->tick(state, tick_seconds);
+            ASSERT_EQ(testing::allocation_count(), allocations);
+            ASSERT_TRUE(felt.force.allFinite());
+            ASSERT_LE(felt.force.norm(), device.max_force);
+            if (felt.fault == InputFault::none) {
+                ASSERT_LE((felt.force - force).norm(),
+                          options.force.max_slew * tick_seconds * (1 + 1e-12));
+            }
+            force = felt.force;
+            forces += felt.texture != Vec3::Zero() ? 1 : 0;
+            recording.ticks.push_back(recorded(tick * tick_seconds, state, felt));
+        }
+        const auto file = folder() / "textured.pxt";
+        ASSERT_TRUE(save_recording(recording, file));
+        const auto loaded = load_recording(file);
+        ASSERT_TRUE(loaded) << describe(loaded.error());
+        auto again = make_haptic_renderer(*index, settings.map, device, loaded->settings.render);
+        ASSERT_TRUE(again);
+        EXPECT_EQ(count_differences(*loaded, *again), 0U);
+    }
+    EXPECT_GT(forces, 100);
+}
+
+TEST(SurfaceTexture, NoneAndZeroOnesChangeNoBit)
+{
+    const TriangleMesh mesh = *sample_mesh("torus:24x12");
+    const auto index = build_mesh_index(mesh);
+    const WorkspaceMap map = fit_workspace(bounding_box(mesh), 0.1);
+    SurfaceTexture zero;
+    zero.bump.shape = BumpShape::noise;
+    zero.stick_slip.stiffness = 100; // and no force
+    RenderOptions plain;
+    auto without = make_haptic_renderer(*index, map, omni, plain);
+    auto with = make_haptic_renderer(*index, map, omni, with_texture(zero, plain));
+    // An object of a scene without a texture, in a renderer that has one for others.
+    const auto smooth = build_touch_body(*index, {.texture = SurfaceTexture{}});
+    TouchScene scene(Box{Vec3(-9, -9, -9), Vec3(9, 9, 9)});
+    TouchScene plain_scene(Box{Vec3(-9, -9, -9), Vec3(9, 9, 9)});
+    ASSERT_TRUE(scene.add(*smooth, {}));
+    ASSERT_TRUE(plain_scene.add(*build_touch_body(*index), {}));
+    auto in_scene = make_haptic_renderer(scene, map, omni,
+                                         with_texture({.viscosity = 3, .tap = {.gain = 3}}, plain));
+    auto in_plain_scene = make_haptic_renderer(plain_scene, map, omni, plain);
+    testing::HandPath path(mesh, 3);
+    int touching = 0;
+    for (int tick = 0; tick < 3000; ++tick) {
+        const DeviceState state = state_at(map.to_device(path.next()), Vec3(0.01, 0.02, 0.03));
+        const auto a = recorded(0, state, without->tick(state, tick_seconds));
+        const auto b = recorded(0, state, with->tick(state, tick_seconds));
+        ASSERT_TRUE(same_response(a, b)) << tick;
+        const auto c = recorded(0, state, in_scene->tick(state, tick_seconds));
+        const auto d = recorded(0, state, in_plain_scene->tick(state, tick_seconds));
+        ASSERT_TRUE(same_response(c, d)) << tick;
+        touching += without->last().hold != Hold::free ? 1 : 0;
+    }
+    EXPECT_GT(touching, 500);
+}
+
+TEST(SurfaceTexture, TurnsAndMovesWithItsObject)
+{
+    const SurfaceTexture texture = bumpy(BumpShape::noise);
+    const auto body = build_touch_body(cube_mesh(Vec3::Zero(), 0.5), {.texture = texture});
+    ASSERT_TRUE(body);
+    const RigidTransform pose = {
+        Eigen::AngleAxisd(0.7, Vec3(1, 2, 3).normalized()).toRotationMatrix(), Vec3(1, -2, 0.5)};
+    TouchScene there(Box{Vec3(-9, -9, -9), Vec3(9, 9, 9)});
+    TouchScene here(Box{Vec3(-9, -9, -9), Vec3(9, 9, 9)});
+    ASSERT_TRUE(there.add(*body, pose));
+    ASSERT_TRUE(here.add(*body, {}));
+    const RenderOptions options = spring_alone(stiffness);
+    auto turned = make_haptic_renderer(there, {1, Vec3::Zero()}, omni, options);
+    auto plain = make_haptic_renderer(here, {1, Vec3::Zero()}, omni, options);
+    double most = 0;
+    for (int tick = 0; tick < 300; ++tick) {
+        const Vec3 p(1e-4 * tick, 5e-5 * tick, 0.501 - 1e-5 * tick);
+        const RenderTick& a = plain->tick(state_at(p), tick_seconds);
+        const RenderTick& b = turned->tick(state_at(pose(p)), tick_seconds);
+        EXPECT_LT((pose.rotation * a.force - b.force).norm(), 1e-5) << tick;
+        most = std::max(most, a.texture.norm());
+    }
+    EXPECT_GT(most, 0.05);
+}
+
+TEST(SurfaceTexture, NumbersOutOfRangeAreNamed)
+{
+    const auto index = build_mesh_index(*sample_mesh("cube"));
+    const auto message = [&](const SurfaceTexture& texture) {
+        RenderOptions options;
+        options.texture = texture;
+        const auto made = make_haptic_renderer(*index, {1, Vec3::Zero()}, omni, options);
+        const auto body = build_touch_body(*index, {.texture = texture});
+        EXPECT_EQ(made.has_value(), body.has_value());
+        if (made) return std::string();
+        EXPECT_EQ(made.error().message, body.error().message);
+        return made.error().message;
+    };
+    EXPECT_EQ(message({}), "");
+    EXPECT_EQ(message({.bump = {.amplitude = 0.02}}),
+              "the bump amplitude of a texture is 0.02 and must be 0 to 0.01");
+    const double nan = std::numeric_limits<double>::quiet_NaN();
+    for (const auto& [name, texture] : std::vector<std::pair<std::string, SurfaceTexture>>{
+             {"bump wavelength", {.bump = {.wavelength = 0}}},
+             {"bump wavelength", {.bump = {.wavelength = nan}}},
+             {"bump direction", {.bump = {.direction = Vec3::Zero()}}},
+             {"bump direction", {.bump = {.direction = Vec3(nan, 0, 0)}}},
+             {"viscosity", {.viscosity = -1}},
+             {"stick-slip stiffness", {.stick_slip = {.stiffness = 2e9}}},
+             {"stick-slip max_force", {.stick_slip = {.max_force = nan}}},
+             {"tap gain", {.tap = {.gain = -1}}},
+             {"tap frequency", {.tap = {.frequency = 0}}},
+             {"tap decay", {.tap = {.decay = 1e4}}}}) {
+        EXPECT_NE(message(texture).find(name), std::string::npos) << name;
+    }
+}
+
+} // namespace
+} // namespace proxima
