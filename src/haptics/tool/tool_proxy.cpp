@@ -1,0 +1,293 @@
+#include "haptics/tool/tool_proxy.h"
+
+#include "index/index_parts.h"
+
+#include <algorithm>
+#include <utility>
+
+namespace proxima {
+
+namespace {
+
+constexpr std::size_t max_pairs = 4096;
+constexpr std::size_t max_contacts = 1024;
+constexpr int max_rounds = 6;
+/// Pairs that are nearer than so many clearances are among the constraints from the start.
+constexpr double near_clearances = 4;
+/// Lists reach at least so many clearances farther than the tool is going to move.
+constexpr double margin_clearances = 20;
+/// A motion that is shorter than so many clearances settles the proxy.
+constexpr double settled_clearances = 1e-3;
+constexpr double constraint_tolerance = 1e-4; ///< clearances
+
+/// The pose of the tool in the frame of an object.
+RigidTransform relative_pose(const RigidTransform& object, const RigidTransform& tool) noexcept
+{
+    const Mat3 back = object.rotation.transpose();
+    return {back * tool.rotation, back * (tool.translation - object.translation)};
+}
+
+} // namespace
+
+Result<RigidBody> RigidBody::build(const MeshIndex& index, const RigidTransform& pose)
+{
+    auto with = with_slabs(index);
+    if (!with) return tl::unexpected(with.error());
+    auto features = ContactFeatures::build(*with);
+    if (!features) return tl::unexpected(features.error());
+    const auto inside = build_enclosure(*with);
+    if (!inside) return tl::unexpected(inside.error());
+    return RigidBody{*with, std::move(*features), *inside, pose};
+}
+
+ToolProxy::ToolProxy(RigidBody tool, std::vector<RigidBody> objects,
+                     const ToolProxyOptions& options)
+    : tool_(std::move(tool)), objects_(std::move(objects)), options_(options),
+      base_margin_(margin_clearances * options.clearance)
+{
+    options_.max_moves = std::min(options_.max_moves, most_moves);
+    rows_.resize(max_pairs);
+    pairs_.resize(max_pairs);
+    contacts_.resize(max_contacts);
+    constraints_.resize(max_contacts);
+}
+
+bool ToolProxy::place(const RigidTransform& pose) noexcept
+{
+    for (const RigidBody& object : objects_) {
+        const RigidTransform relative = relative_pose(object.pose, pose);
+        if (meshes_intersect(object.index, tool_.index, relative)) return false;
+        const ContainmentAnswer answer = find_containment(object.inside, tool_.inside, relative);
+        // Open meshes have no inside.
+        if (answer.containment != Containment::none &&
+            answer.method != InsideMethod::winding_number)
+            return false;
+    }
+    const RigidTransform before = std::exchange(pose_, pose);
+    bool is_free = list_pairs_once(base_margin_);
+    const ToolMotion rest = {pose_, pose_, {}};
+    for (std::size_t i = 0; is_free && i < pair_count_; ++i)
+        is_free = find_plane(pairs_[i], rest, 0.5 * options_.clearance);
+    if (!is_free) {
+        pose_ = before;
+        list_margin_ = -1;
+    }
+    held_count_ = 0;
+    path_count_ = 0;
+    return is_free;
+}
+
+/// Lists all pairs within the margin of each other where the tool is; false where there is no room
+/// for them.
+bool ToolProxy::list_pairs_once(double margin) noexcept
+{
+    pair_count_ = 0;
+    list_margin_ = -1;
+    for (std::size_t at = 0; at < objects_.size(); ++at) {
+        const RigidBody& object = objects_[at];
+        const NearRowsAnswer near =
+            near_rows(object.index, tool_.index, relative_pose(object.pose, pose_), margin,
+                      std::span(rows_).subspan(pair_count_));
+        if (!near.complete) return false;
+        for (std::size_t i = 0; i < near.count; ++i) {
+            NearPair& pair = pairs_[pair_count_ + i];
+            const NearRows& rows = rows_[pair_count_ + i];
+            pair.normal = Vec3::Zero();
+            pair.is_hot = false;
+            pair.reach = 0;
+            pair.scene = object.pose(object.index.parts().triangle(rows.a));
+            pair.tool = tool_.index.parts().triangle(rows.b);
+            for (const Vec3& corner : pair.tool.vertices)
+                pair.reach = std::max(pair.reach, corner.norm());
+            pair.scene_row = rows.a;
+            pair.tool_row = rows.b;
+            pair.object = static_cast<std::uint32_t>(at);
+        }
+        pair_count_ += near.count;
+    }
+    list_pose_ = pose_;
+    list_margin_ = margin;
+    ++work_.lists;
+    work_.pairs = std::max(work_.pairs, pair_count_);
+    return true;
+}
+
+/// Like list_pairs_once, with ever smaller margins where there is no room.
+bool ToolProxy::list_pairs(double margin) noexcept
+{
+    for (; margin >= 2 * options_.clearance; margin /= 2)
+        if (list_pairs_once(margin)) return true;
+    return false;
+}
+
+/// How far points of the tool may still move before a pair that is not listed could be too near.
+double ToolProxy::room() const noexcept
+{
+    if (list_margin_ < 0) return -1;
+    const double moved = twist_between(list_pose_, pose_).path_length(tool_.features.reach());
+    return list_margin_ - options_.clearance - moved;
+}
+
+void ToolProxy::add_contacts(std::uint32_t pair, double farthest) noexcept
+{
+    pairs_[pair].is_hot = true;
+    const RigidBody& object = objects_[pairs_[pair].object];
+    const std::span<FeatureContact> free = std::span(contacts_).subspan(contact_count_);
+    const std::size_t found = find_contacts(pairs_[pair], {&object.features, object.pose},
+                                            {&tool_.features, pose_}, farthest, free);
+    for (FeatureContact& contact : free.first(found)) contact.pair = pair;
+    contact_count_ += found;
+}
+
+/// Takes the contacts of all pairs that are near.
+void ToolProxy::collect_near() noexcept
+{
+    contact_count_ = 0;
+    const double near = near_clearances * options_.clearance;
+    const ToolMotion rest = {pose_, pose_, {}};
+    for (std::uint32_t i = 0; i < pair_count_; ++i) {
+        NearPair& pair = pairs_[i];
+        pair.is_hot = false;
+        if (plane_gap(pair, pose_) > near || find_plane(pair, rest, near)) continue;
+        if (plane_gap(pair, pose_) <= near) add_contacts(i, near);
+    }
+}
+
+/// Takes the contacts of all other pairs that the motion would bring too near; false where there are
+/// none.
+bool ToolProxy::collect_hit(const ToolMotion& motion) noexcept
+{
+    const std::size_t before = contact_count_;
+    const double least = 0.5 * options_.clearance;
+    for (std::uint32_t i = 0; i < pair_count_; ++i) {
+        NearPair& pair = pairs_[i];
+        if (pair.is_hot || stays_apart(pair, motion, least) || find_plane(pair, motion, least))
+            continue;
+        add_contacts(i, list_margin_ + motion.twist.path_length(pair.reach));
+    }
+    return contact_count_ > before;
+}
+
+/// The motion nearest to the wanted one that all contacts allow.
+Twist ToolProxy::solve(const Vec6& wanted) noexcept
+{
+    const double length = options_.turning_length;
+    const double tolerance = constraint_tolerance * options_.clearance;
+    work_.contacts = std::max(work_.contacts, contact_count_);
+    const auto constraints = std::span(constraints_).first(contact_count_);
+    for (std::size_t i = 0; i < contact_count_; ++i) {
+        const FeatureContact& contact = contacts_[i];
+        const Vec3 arm = contact.tool_point - pose_.translation;
+        constraints[i].direction.head<3>() = contact.normal;
+        constraints[i].direction.tail<3>() = arm.cross(contact.normal) / length;
+        constraints[i].bound = options_.clearance - contact.gap;
+    }
+    solution_ = least_constraint(wanted, constraints, tolerance);
+    if (!solution_.solved) {
+        // There may be no room for the whole clearance: then no contact may come nearer.
+        for (MotionConstraint& each : constraints) each.bound = std::min(each.bound, 0.0);
+        solution_ = least_constraint(wanted, constraints, tolerance);
+    }
+    if (!solution_.solved) {
+        solution_ = {};
+        solution_.solved = false;
+    }
+    return {solution_.motion.head<3>(), solution_.motion.tail<3>() / length};
+}
+
+void ToolProxy::hold(const ConstrainedMotion& motion) noexcept
+{
+    held_count_ = motion.active_count;
+    for (std::size_t k = 0; k < held_count_; ++k) {
+        const FeatureContact& contact = contacts_[motion.active[k]];
+        const NearPair& pair = pairs_[contact.pair];
+        held_[k] = {contact, pair.object, objects_[pair.object].index.parts().id(pair.scene_row),
+                    tool_.index.parts().id(pair.tool_row), motion.pressure[k]};
+    }
+}
+
+/// One move towards the device. Returns whether another one may come nearer.
+bool ToolProxy::move(const Twist& wanted) noexcept
+{
+    const double reach = tool_.features.reach();
+    Vec6 free;
+    free.head<3>() = wanted.linear;
+    free.tail<3>() = options_.turning_length * wanted.angular;
+    collect_near();
+    Twist twist = solve(free);
+    double length = twist.path_length(reach);
+    ToolMotion motion;
+    for (int round = 0;; ++round) {
+        const double space = room();
+        if (length > space) {
+            const double margin = base_margin_ + 1.5 * length;
+            if (list_margin_ < margin && work_.lists < options_.max_lists) {
+                if (!list_pairs(margin)) {
+                    end_ = ToolMotionEnd::overloaded;
+                    return false;
+                }
+                collect_near();
+                twist = solve(free);
+                length = twist.path_length(reach);
+                continue;
+            }
+            twist = twist.scaled(std::max(space, 0.0) / length);
+            length = twist.path_length(reach);
+        }
+        motion = {pose_, moved_by(pose_, twist, 1), twist};
+        if (!collect_hit(motion) || round == max_rounds) break;
+        twist = solve(free);
+        length = twist.path_length(reach);
+    }
+    double part = 1;
+    const double least = 0.5 * options_.clearance;
+    for (std::size_t i = 0; i < pair_count_ && part > 0; ++i) {
+        NearPair& pair = pairs_[i];
+        if (pair.is_hot && !stays_apart(pair, motion, least) && !find_plane(pair, motion, least))
+            part = free_part(pair, motion, least, part);
+    }
+    hold(solution_);
+    pose_ = part < 1 ? moved_by(pose_, twist, part) : motion.to;
+    path_[path_count_++] = pose_;
+    last_length_ += part * length;
+    const double settled = settled_clearances * options_.clearance;
+    return part < 1 || length > settled || !solution_.solved;
+}
+
+void ToolProxy::follow(const RigidTransform& device) noexcept
+{
+    work_ = {};
+    end_ = ToolMotionEnd::limited;
+    path_count_ = 0;
+    path_[path_count_++] = pose_;
+    const double expected = 2 * std::exchange(last_length_, 0.0);
+    const double reach = tool_.features.reach();
+    int still = 0; // moves in a row that came no nearer
+    while (work_.moves < options_.max_moves && still < 2) {
+        const Twist wanted = twist_between(pose_, device);
+        const double length = wanted.path_length(reach);
+        if (room() < std::min(length, options_.clearance)) {
+            if (work_.lists == options_.max_lists) return;
+            if (!list_pairs(base_margin_ + std::min(length, expected))) {
+                end_ = ToolMotionEnd::overloaded;
+                return;
+            }
+        }
+        ++work_.moves;
+        const double before = last_length_;
+        if (!move(wanted)) {
+            if (end_ == ToolMotionEnd::limited) end_ = ToolMotionEnd::settled;
+            return;
+        }
+        const bool is_there = solution_.active_count == 0 && solution_.solved;
+        if (is_there && last_length_ - before >= length * (1 - 1e-12)) {
+            pose_ = device;
+            path_[path_count_ - 1] = pose_;
+            end_ = ToolMotionEnd::settled;
+            return;
+        }
+        still = last_length_ - before > settled_clearances * options_.clearance ? 0 : still + 1;
+    }
+}
+
+} // namespace proxima

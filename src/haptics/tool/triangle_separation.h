@@ -1,0 +1,55 @@
+// A plane between a triangle of a scene and one of a moving tool, and for how much of a motion it
+// stays between them.
+//
+//     scene   n . x <= offset |   gap   | n . x >= offset + gap   tool
+//
+// The scene's triangle rests, so a plane whose gap is wide enough at both ends of a motion, but for
+// the height of the arcs over their chords, keeps the two apart all the way. Where one plane does not,
+// the motion is advanced from plane to plane (conservative advancement, [mirtich-1996]).
+#pragma once
+
+#include "haptics/tool/rigid_motion.h"
+#include "proxima/geometry.h"
+
+#include <cstdint>
+
+namespace proxima {
+
+/// A triangle of an object and one of the tool, near each other.
+struct NearPair {
+    Triangle scene;             ///< in the scene's frame
+    Triangle tool;              ///< in the tool's own
+    Vec3 normal = Vec3::Zero(); ///< of length 1, or zero before the first plane
+    double offset = 0;
+    double reach = 0; ///< of the tool's triangle from the tool's origin
+    std::uint32_t scene_row = 0;
+    std::uint32_t tool_row = 0;
+    std::uint32_t object = 0;
+    bool is_hot = false; ///< its contacts are among the constraints
+};
+
+/// A motion of the tool.
+struct ToolMotion {
+    RigidTransform from;
+    RigidTransform to; ///< moved_by(from, twist, 1)
+    Twist twist;
+};
+
+/// The gap of the pair's plane with the tool in a pose: below the distance of the triangles, up to
+/// rounding. -infinity without a plane.
+[[nodiscard]] double plane_gap(const NearPair& pair, const RigidTransform& pose) noexcept;
+
+/// Whether the pair's plane keeps a gap of at least `least` all the motion long.
+[[nodiscard]] bool stays_apart(const NearPair& pair, const ToolMotion& motion,
+                               double least) noexcept;
+
+/// Looks for a plane that does: that of either triangle, then the one across their closest points at
+/// the beginning, which it leaves behind where none does. About 1 us.
+[[nodiscard]] bool find_plane(NearPair& pair, const ToolMotion& motion, double least) noexcept;
+
+/// The part of the motion, at most `most`, that keeps the triangles at least `least` apart, or as far
+/// apart as they are where that is less.
+[[nodiscard]] double free_part(NearPair& pair, const ToolMotion& motion, double least,
+                               double most) noexcept;
+
+} // namespace proxima
