@@ -18,6 +18,8 @@ Vec3 rotation_vector(const Mat3& rotation) noexcept
 
 Twist twist_between(const RigidTransform& from, const RigidTransform& to) noexcept
 {
+    // The product of equal rotations is not exactly the identity.
+    if (from.rotation == to.rotation) return {to.translation - from.translation, Vec3::Zero()};
     return {to.translation - from.translation,
             rotation_vector(to.rotation * from.rotation.transpose())};
 }

@@ -15,9 +15,13 @@ constexpr int max_rounds = 6;
 /// Pairs that are nearer than so many clearances are among the constraints from the start.
 constexpr double near_clearances = 4;
 /// Lists reach at least so many clearances farther than the tool is going to move.
-constexpr double margin_clearances = 20;
+constexpr double margin_clearances = 10;
 /// A motion that is shorter than so many clearances settles the proxy.
-constexpr double settled_clearances = 1e-3;
+constexpr double settled_clearances = 0.1;
+/// So does one that shortens the stretch of the springs by less than so many.
+constexpr double gain_clearances = 0.02;
+/// The part of a motion that is made at least.
+constexpr double least_part = 0.05;
 constexpr double constraint_tolerance = 1e-4; ///< clearances
 
 /// The pose of the tool in the frame of an object.
@@ -48,6 +52,7 @@ ToolProxy::ToolProxy(RigidBody tool, std::vector<RigidBody> objects,
     options_.max_moves = std::min(options_.max_moves, most_moves);
     rows_.resize(max_pairs);
     pairs_.resize(max_pairs);
+    apart_until_.resize(max_pairs);
     contacts_.resize(max_contacts);
     constraints_.resize(max_contacts);
 }
@@ -93,7 +98,7 @@ bool ToolProxy::list_pairs_once(double margin) noexcept
             NearPair& pair = pairs_[pair_count_ + i];
             const NearRows& rows = rows_[pair_count_ + i];
             pair.normal = Vec3::Zero();
-            pair.is_hot = false;
+            pair.contacts = PairContacts::none;
             pair.reach = 0;
             pair.scene = object.pose(object.index.parts().triangle(rows.a));
             pair.tool = tool_.index.parts().triangle(rows.b);
@@ -102,6 +107,7 @@ bool ToolProxy::list_pairs_once(double margin) noexcept
             pair.scene_row = rows.a;
             pair.tool_row = rows.b;
             pair.object = static_cast<std::uint32_t>(at);
+            apart_until_[pair_count_ + i] = travelled_;
         }
         pair_count_ += near.count;
     }
@@ -128,15 +134,18 @@ double ToolProxy::room() const noexcept
     return list_margin_ - options_.clearance - moved;
 }
 
-void ToolProxy::add_contacts(std::uint32_t pair, double farthest) noexcept
+/// Takes the contacts of a pair whose gap is more than `nearest` and at most `farthest`.
+void ToolProxy::add_contacts(std::uint32_t pair, double nearest, double farthest) noexcept
 {
-    pairs_[pair].is_hot = true;
     const RigidBody& object = objects_[pairs_[pair].object];
     const std::span<FeatureContact> free = std::span(contacts_).subspan(contact_count_);
     const std::size_t found = find_contacts(pairs_[pair], {&object.features, object.pose},
                                             {&tool_.features, pose_}, farthest, free);
-    for (FeatureContact& contact : free.first(found)) contact.pair = pair;
-    contact_count_ += found;
+    for (const FeatureContact& contact : free.first(found)) {
+        if (!(contact.gap > nearest)) continue;
+        contacts_[contact_count_] = contact;
+        contacts_[contact_count_++].pair = pair;
+    }
 }
 
 /// Takes the contacts of all pairs that are near.
@@ -146,10 +155,19 @@ void ToolProxy::collect_near() noexcept
     const double near = near_clearances * options_.clearance;
     const ToolMotion rest = {pose_, pose_, {}};
     for (std::uint32_t i = 0; i < pair_count_; ++i) {
+        if (apart_until_[i] > travelled_ + near) {
+            pairs_[i].contacts = PairContacts::none;
+            continue;
+        }
         NearPair& pair = pairs_[i];
-        pair.is_hot = false;
-        if (plane_gap(pair, pose_) > near || find_plane(pair, rest, near)) continue;
-        if (plane_gap(pair, pose_) <= near) add_contacts(i, near);
+        double gap = plane_gap(pair, pose_);
+        if (pair.normal.isZero(0)) {
+            (void)find_plane(pair, rest, near);
+            gap = plane_gap(pair, pose_);
+        }
+        apart_until_[i] = travelled_ + gap;
+        pair.contacts = gap > near ? PairContacts::none : PairContacts::near;
+        if (pair.contacts == PairContacts::near) add_contacts(i, 0, near);
     }
 }
 
@@ -158,12 +176,17 @@ void ToolProxy::collect_near() noexcept
 bool ToolProxy::collect_hit(const ToolMotion& motion) noexcept
 {
     const std::size_t before = contact_count_;
-    const double least = 0.5 * options_.clearance;
+    const double least = 0.95 * options_.clearance;
+    const double length = motion.twist.path_length(tool_.features.reach());
     for (std::uint32_t i = 0; i < pair_count_; ++i) {
+        if (apart_until_[i] >= travelled_ + length + least) continue;
         NearPair& pair = pairs_[i];
-        if (pair.is_hot || stays_apart(pair, motion, least) || find_plane(pair, motion, least))
+        if (pair.contacts == PairContacts::all || stays_apart(pair, motion, least) ||
+            find_plane(pair, motion, least))
             continue;
-        add_contacts(i, list_margin_ + motion.twist.path_length(pair.reach));
+        const double near = near_clearances * options_.clearance;
+        add_contacts(i, pair.contacts == PairContacts::near ? near : 0, list_margin_ + length);
+        pair.contacts = PairContacts::all;
     }
     return contact_count_ > before;
 }
@@ -193,6 +216,46 @@ Twist ToolProxy::solve(const Vec6& wanted) noexcept
         solution_.solved = false;
     }
     return {solution_.motion.head<3>(), solution_.motion.tail<3>() / length};
+}
+
+/// What the proxy's pose costs: the springs' energy, and what it takes to restore the clearance at the
+/// contacts, twice as steep as they press (an exact penalty).
+double ToolProxy::cost(const RigidTransform& pose, const Vec6& wanted,
+                       double steepness) const noexcept
+{
+    double short_of = 0;
+    const Mat3 turn = pose.rotation * pose_.rotation.transpose();
+    for (const FeatureContact& contact : std::span(contacts_).first(contact_count_)) {
+        const Vec3 point = turn * (contact.tool_point - pose_.translation) + pose.translation;
+        const double gap = contact.normal.dot(point - contact.scene_point);
+        short_of += std::max(options_.clearance - gap, 0.0);
+    }
+    return 0.5 * wanted.squaredNorm() + steepness * short_of;
+}
+
+/// The part of the motion that lowers the cost the most: all of it but where the tool's arcs leave
+/// the contacts' planes by more than the motion gains. By the parabola through the cost at both ends
+/// with the slope at the beginning.
+double ToolProxy::useful_part(const ToolMotion& motion, const Vec6& wanted) const noexcept
+{
+    if (contact_count_ == 0) return 1;
+    double steepness = 0;
+    for (std::size_t k = 0; k < solution_.active_count; ++k)
+        steepness = std::max(steepness, 2 * solution_.pressure[k]);
+    const double length = options_.turning_length;
+    Vec6 step;
+    step.head<3>() = motion.twist.linear;
+    step.tail<3>() = length * motion.twist.angular;
+    const Twist left = twist_between(motion.to, device_);
+    Vec6 after;
+    after.head<3>() = left.linear;
+    after.tail<3>() = length * left.angular;
+    const double begin = cost(motion.from, wanted, steepness);
+    const double end = cost(motion.to, after, steepness);
+    const double slope = -wanted.dot(step) - (begin - 0.5 * wanted.squaredNorm());
+    const double bend = end - begin - slope;
+    if (!(slope < 0) || !(bend > 0)) return 1;
+    return std::clamp(-0.5 * slope / bend, least_part, 1.0);
 }
 
 void ToolProxy::hold(const ConstrainedMotion& motion) noexcept
@@ -239,24 +302,35 @@ bool ToolProxy::move(const Twist& wanted) noexcept
         twist = solve(free);
         length = twist.path_length(reach);
     }
-    double part = 1;
-    const double least = 0.5 * options_.clearance;
+    double part = useful_part(motion, free);
+    // A contact that the constraints do not have yet is stopped at before it is too near.
+    const double clearance = options_.clearance;
+    const GapLimits limits = {0.95 * clearance, 0.9 * clearance, 0.5 * clearance};
     for (std::size_t i = 0; i < pair_count_ && part > 0; ++i) {
         NearPair& pair = pairs_[i];
-        if (pair.is_hot && !stays_apart(pair, motion, least) && !find_plane(pair, motion, least))
-            part = free_part(pair, motion, least, part);
+        if (apart_until_[i] >= travelled_ + length + limits.wanted) continue;
+        if (stays_apart(pair, motion, limits.wanted) || find_plane(pair, motion, limits.wanted))
+            continue;
+        part = free_part(pair, motion, limits, part);
     }
     hold(solution_);
     pose_ = part < 1 ? moved_by(pose_, twist, part) : motion.to;
     path_[path_count_++] = pose_;
     last_length_ += part * length;
+    travelled_ += part * length;
     const double settled = settled_clearances * options_.clearance;
-    return part < 1 || length > settled || !solution_.solved;
+    Vec6 left;
+    const Twist rest = twist_between(pose_, device_);
+    left.head<3>() = rest.linear;
+    left.tail<3>() = options_.turning_length * rest.angular;
+    const bool gains = std::abs(left.norm() - free.norm()) > gain_clearances * options_.clearance;
+    return !solution_.solved || (length > settled && (gains || part < least_part));
 }
 
 void ToolProxy::follow(const RigidTransform& device) noexcept
 {
     work_ = {};
+    device_ = device;
     end_ = ToolMotionEnd::limited;
     path_count_ = 0;
     path_[path_count_++] = pose_;
@@ -275,15 +349,16 @@ void ToolProxy::follow(const RigidTransform& device) noexcept
         }
         ++work_.moves;
         const double before = last_length_;
-        if (!move(wanted)) {
-            if (end_ == ToolMotionEnd::limited) end_ = ToolMotionEnd::settled;
-            return;
-        }
-        const bool is_there = solution_.active_count == 0 && solution_.solved;
-        if (is_there && last_length_ - before >= length * (1 - 1e-12)) {
+        const bool goes_on = move(wanted);
+        if (solution_.active_count == 0 && solution_.solved &&
+            last_length_ - before >= length * (1 - 1e-12)) {
             pose_ = device;
             path_[path_count_ - 1] = pose_;
             end_ = ToolMotionEnd::settled;
+            return;
+        }
+        if (!goes_on) {
+            if (end_ == ToolMotionEnd::limited) end_ = ToolMotionEnd::settled;
             return;
         }
         still = last_length_ - before > settled_clearances * options_.clearance ? 0 : still + 1;

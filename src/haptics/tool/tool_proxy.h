@@ -102,11 +102,14 @@ private:
     [[nodiscard]] bool list_pairs(double margin) noexcept;
     [[nodiscard]] bool list_pairs_once(double margin) noexcept;
     [[nodiscard]] double room() const noexcept;
-    void add_contacts(std::uint32_t pair, double farthest) noexcept;
+    void add_contacts(std::uint32_t pair, double nearest, double farthest) noexcept;
     void collect_near() noexcept;
     [[nodiscard]] bool collect_hit(const ToolMotion& motion) noexcept;
     [[nodiscard]] Twist solve(const Vec6& wanted) noexcept;
     [[nodiscard]] bool move(const Twist& wanted) noexcept;
+    [[nodiscard]] double cost(const RigidTransform& pose, const Vec6& wanted,
+                              double steepness) const noexcept;
+    [[nodiscard]] double useful_part(const ToolMotion& motion, const Vec6& wanted) const noexcept;
     void hold(const ConstrainedMotion& motion) noexcept;
 
     RigidBody tool_;
@@ -114,11 +117,15 @@ private:
     ToolProxyOptions options_;
     double base_margin_;
     RigidTransform pose_;
+    RigidTransform device_;
     RigidTransform list_pose_;
     double list_margin_ = -1; ///< none yet
     std::vector<NearRows> rows_;
     std::vector<NearPair> pairs_;
     std::size_t pair_count_ = 0;
+    double travelled_ = 0;            ///< by points of the tool since it was placed, at most
+    std::vector<double> apart_until_; ///< by pair: its triangles meet no sooner than that much
+                                      ///< was travelled
     std::vector<FeatureContact> contacts_;
     std::size_t contact_count_ = 0;
     std::vector<MotionConstraint> constraints_;

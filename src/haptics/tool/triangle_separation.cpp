@@ -43,6 +43,15 @@ double set_closest_plane(NearPair& pair, const Triangle& tool) noexcept
     return distance;
 }
 
+/// Whether a height is at least `least` between two ends: it is off their chord by at most
+/// 4 t (1 - t) error.
+bool keeps_gap(double begin, double end, double error, double least) noexcept
+{
+    const double lower = std::min(begin, end);
+    const double higher = std::max(begin, end);
+    return lower >= least + error || (lower >= least && higher >= least + 4 * error);
+}
+
 double arc_error(const NearPair& pair, const Twist& twist, double part) noexcept
 {
     return chord_error(part * twist.angular.norm(), pair.reach);
@@ -60,8 +69,8 @@ double plane_gap(const NearPair& pair, const RigidTransform& pose) noexcept
 
 bool stays_apart(const NearPair& pair, const ToolMotion& motion, double least) noexcept
 {
-    const double enough = least + arc_error(pair, motion.twist, 1);
-    return plane_gap(pair, motion.to) >= enough && plane_gap(pair, motion.from) >= enough;
+    return keeps_gap(plane_gap(pair, motion.from), plane_gap(pair, motion.to),
+                     arc_error(pair, motion.twist, 1), least);
 }
 
 bool find_plane(NearPair& pair, const ToolMotion& motion, double least) noexcept
@@ -80,16 +89,18 @@ bool find_plane(NearPair& pair, const ToolMotion& motion, double least) noexcept
     return set_closest_plane(pair, tool) > 0 && stays_apart(pair, motion, least);
 }
 
-double free_part(NearPair& pair, const ToolMotion& motion, double least, double most) noexcept
+double free_part(NearPair& pair, const ToolMotion& motion, const GapLimits& limits,
+                 double most) noexcept
 {
     double part = 0;
-    double floor = least;
+    double floor = limits.wanted;
     for (int advance = 0; advance < max_advances; ++advance) {
         const RigidTransform at = moved_by(motion.from, motion.twist, part);
         const Triangle tool = moved(pair.tool, at);
         const double distance = set_closest_plane(pair, tool);
         if (!(distance > 0)) return part;
-        if (advance == 0) floor = std::min(least, distance * (1 - 1e-9));
+        if (advance == 0 && distance < limits.near)
+            floor = std::min(limits.least, distance * (1 - 1e-9));
         // As far as the corners come towards the plane, if they went straight on.
         double step = most - part;
         for (const Vec3& corner : tool.vertices) {
@@ -102,8 +113,8 @@ double free_part(NearPair& pair, const ToolMotion& motion, double least, double 
         bool proven = false;
         for (int halving = 0; halving < 6 && !proven; ++halving) {
             const RigidTransform next = moved_by(motion.from, motion.twist, part + step);
-            const double enough = floor + arc_error(pair, motion.twist, step);
-            proven = std::min(plane_gap(pair, next), distance) >= enough;
+            proven = keeps_gap(distance, plane_gap(pair, next), arc_error(pair, motion.twist, step),
+                               floor);
             if (!proven) step *= step < most - part ? 0.9 : 0.5;
             if (!proven && halving > 1) step *= 0.5;
         }
@@ -111,7 +122,7 @@ double free_part(NearPair& pair, const ToolMotion& motion, double least, double 
         part += step;
         if (part >= most) return most;
         // What is left of the gap would not carry the motion on.
-        if (step * motion.twist.path_length(pair.reach) < 1e-3 * least) return part;
+        if (step * motion.twist.path_length(pair.reach) < 1e-3 * limits.least) return part;
     }
     return part;
 }

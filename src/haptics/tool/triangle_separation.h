@@ -15,6 +15,9 @@
 
 namespace proxima {
 
+/// Which contacts of a pair are among the constraints of a motion.
+enum class PairContacts : std::uint8_t { none, near, all };
+
 /// A triangle of an object and one of the tool, near each other.
 struct NearPair {
     Triangle scene;             ///< in the scene's frame
@@ -25,7 +28,7 @@ struct NearPair {
     std::uint32_t scene_row = 0;
     std::uint32_t tool_row = 0;
     std::uint32_t object = 0;
-    bool is_hot = false; ///< its contacts are among the constraints
+    PairContacts contacts = PairContacts::none; ///< that are among the constraints
 };
 
 /// A motion of the tool.
@@ -47,9 +50,15 @@ struct ToolMotion {
 /// the beginning, which it leaves behind where none does. About 1 us.
 [[nodiscard]] bool find_plane(NearPair& pair, const ToolMotion& motion, double least) noexcept;
 
-/// The part of the motion, at most `most`, that keeps the triangles at least `least` apart, or as far
-/// apart as they are where that is less.
-[[nodiscard]] double free_part(NearPair& pair, const ToolMotion& motion, double least,
+/// How near triangles may come in a motion.
+struct GapLimits {
+    double near = 0;   ///< triangles that begin farther apart
+    double wanted = 0; ///< come no nearer than this; less than `near`
+    double least = 0;  ///< others come no nearer than this, or than they are where that is less
+};
+
+/// The part of the motion, at most `most`, that keeps the triangles apart.
+[[nodiscard]] double free_part(NearPair& pair, const ToolMotion& motion, const GapLimits& limits,
                                double most) noexcept;
 
 } // namespace proxima

@@ -110,7 +110,7 @@ public:
         return false;
     }
 
-    [[nodiscard]] ToolRenderer& renderer() { return renderer_; }
+    [[nodiscard]] const ToolRenderer& renderer() const { return renderer_; }
     [[nodiscard]] const RigidTransform& device() const { return at_; }
 
 private:
