@@ -54,7 +54,7 @@ struct ToolRenderOptions {
     double max_jump = 0.05; ///< m in a tick: 50 m/s at 1 kHz; beyond it the force ramps up anew
     double max_turn = 0.5;  ///< rad in a tick: likewise
     /// Most moves of the proxy in a tick: bounds a tick's work. 1 to 32.
-    std::size_t max_moves = 8;
+    std::size_t max_moves = 4;
 };
 
 /// A point that holds the tool back. In the model's units and frame.

@@ -13,7 +13,7 @@ constexpr std::size_t max_pairs = 4096;
 constexpr std::size_t max_contacts = 1024;
 constexpr int max_rounds = 6;
 /// Pairs that are nearer than so many clearances are among the constraints from the start.
-constexpr double near_clearances = 4;
+constexpr double near_clearances = 2;
 /// Lists reach at least so many clearances farther than the tool is going to move.
 constexpr double margin_clearances = 10;
 /// A motion that is shorter than so many clearances settles the proxy.
@@ -71,8 +71,9 @@ bool ToolProxy::place(const RigidTransform& pose) noexcept
     const RigidTransform before = std::exchange(pose_, pose);
     bool is_free = list_pairs_once(base_margin_);
     const ToolMotion rest = {pose_, pose_, {}};
+    Vec3 last = Vec3::Zero(); // direction of a plane
     for (std::size_t i = 0; is_free && i < pair_count_; ++i)
-        is_free = find_plane(pairs_[i], rest, 0.5 * options_.clearance);
+        is_free = find_plane(pairs_[i], rest, 0.5 * options_.clearance, last);
     if (!is_free) {
         pose_ = before;
         list_margin_ = -1;
@@ -97,7 +98,6 @@ bool ToolProxy::list_pairs_once(double margin) noexcept
         for (std::size_t i = 0; i < near.count; ++i) {
             NearPair& pair = pairs_[pair_count_ + i];
             const NearRows& rows = rows_[pair_count_ + i];
-            pair.normal = Vec3::Zero();
             pair.contacts = PairContacts::none;
             pair.reach = 0;
             pair.scene = object.pose(object.index.parts().triangle(rows.a));
@@ -107,6 +107,7 @@ bool ToolProxy::list_pairs_once(double margin) noexcept
             pair.scene_row = rows.a;
             pair.tool_row = rows.b;
             pair.object = static_cast<std::uint32_t>(at);
+            set_normal(pair, object.pose.rotation * rows.across);
             apart_until_[pair_count_ + i] = travelled_;
         }
         pair_count_ += near.count;
@@ -154,6 +155,7 @@ void ToolProxy::collect_near() noexcept
     contact_count_ = 0;
     const double near = near_clearances * options_.clearance;
     const ToolMotion rest = {pose_, pose_, {}};
+    Vec3 last = Vec3::Zero(); // direction of a plane
     for (std::uint32_t i = 0; i < pair_count_; ++i) {
         if (apart_until_[i] > travelled_ + near) {
             pairs_[i].contacts = PairContacts::none;
@@ -162,7 +164,7 @@ void ToolProxy::collect_near() noexcept
         NearPair& pair = pairs_[i];
         double gap = plane_gap(pair, pose_);
         if (pair.normal.isZero(0)) {
-            (void)find_plane(pair, rest, near);
+            (void)find_plane(pair, rest, near, last);
             gap = plane_gap(pair, pose_);
         }
         apart_until_[i] = travelled_ + gap;
@@ -177,12 +179,13 @@ bool ToolProxy::collect_hit(const ToolMotion& motion) noexcept
 {
     const std::size_t before = contact_count_;
     const double least = 0.95 * options_.clearance;
+    Vec3 last = Vec3::Zero(); // direction of a plane
     const double length = motion.twist.path_length(tool_.features.reach());
     for (std::uint32_t i = 0; i < pair_count_; ++i) {
         if (apart_until_[i] >= travelled_ + length + least) continue;
         NearPair& pair = pairs_[i];
         if (pair.contacts == PairContacts::all || stays_apart(pair, motion, least) ||
-            find_plane(pair, motion, least))
+            find_plane(pair, motion, least, last))
             continue;
         const double near = near_clearances * options_.clearance;
         add_contacts(i, pair.contacts == PairContacts::near ? near : 0, list_margin_ + length);
@@ -305,11 +308,13 @@ bool ToolProxy::move(const Twist& wanted) noexcept
     double part = useful_part(motion, free);
     // A contact that the constraints do not have yet is stopped at before it is too near.
     const double clearance = options_.clearance;
+    Vec3 last = Vec3::Zero(); // direction of a plane
     const GapLimits limits = {0.95 * clearance, 0.9 * clearance, 0.5 * clearance};
     for (std::size_t i = 0; i < pair_count_ && part > 0; ++i) {
         NearPair& pair = pairs_[i];
         if (apart_until_[i] >= travelled_ + length + limits.wanted) continue;
-        if (stays_apart(pair, motion, limits.wanted) || find_plane(pair, motion, limits.wanted))
+        if (stays_apart(pair, motion, limits.wanted) ||
+            find_plane(pair, motion, limits.wanted, last))
             continue;
         part = free_part(pair, motion, limits, part);
     }

@@ -44,8 +44,8 @@ struct RigidBody {
 struct ToolProxyOptions {
     double clearance = 1e-5;   ///< in the model's unit
     double turning_length = 1; ///< rotation vectors times this weigh as much as displacements
-    std::size_t max_moves = 8; ///< in a tick
-    std::size_t max_lists = 3; ///< lists of near pairs in a tick
+    std::size_t max_moves = 4; ///< in a tick
+    std::size_t max_lists = 2; ///< lists of near pairs in a tick
 };
 
 /// How the proxy's motion of a tick ended.

@@ -59,6 +59,13 @@ double arc_error(const NearPair& pair, const Twist& twist, double part) noexcept
 
 } // namespace
 
+void set_normal(NearPair& pair, const Vec3& across) noexcept
+{
+    const double length = across.norm();
+    pair.normal = Vec3::Zero();
+    if (length > 0) set_plane(pair, across / length);
+}
+
 double plane_gap(const NearPair& pair, const RigidTransform& pose) noexcept
 {
     if (pair.normal.isZero(0)) return -std::numeric_limits<double>::infinity();
@@ -73,8 +80,12 @@ bool stays_apart(const NearPair& pair, const ToolMotion& motion, double least) n
                      arc_error(pair, motion.twist, 1), least);
 }
 
-bool find_plane(NearPair& pair, const ToolMotion& motion, double least) noexcept
+bool find_plane(NearPair& pair, const ToolMotion& motion, double least, Vec3& last) noexcept
 {
+    if (!last.isZero(0)) {
+        set_plane(pair, last);
+        if (stays_apart(pair, motion, least)) return true;
+    }
     const Triangle tool = moved(pair.tool, motion.from);
     for (const Triangle& face : {pair.scene, tool}) {
         const Vec3 scaled = scaled_normal(face);
@@ -86,7 +97,9 @@ bool find_plane(NearPair& pair, const ToolMotion& motion, double least) noexcept
         set_plane(pair, above ? normal : Vec3(-normal));
         if (stays_apart(pair, motion, least)) return true;
     }
-    return set_closest_plane(pair, tool) > 0 && stays_apart(pair, motion, least);
+    if (!(set_closest_plane(pair, tool) > 0)) return false;
+    last = pair.normal;
+    return stays_apart(pair, motion, least);
 }
 
 double free_part(NearPair& pair, const ToolMotion& motion, const GapLimits& limits,

@@ -38,6 +38,9 @@ struct ToolMotion {
     Twist twist;
 };
 
+/// Gives the pair the plane across a direction of any length, or none where that is zero.
+void set_normal(NearPair& pair, const Vec3& across) noexcept;
+
 /// The gap of the pair's plane with the tool in a pose: below the distance of the triangles, up to
 /// rounding. -infinity without a plane.
 [[nodiscard]] double plane_gap(const NearPair& pair, const RigidTransform& pose) noexcept;
@@ -46,9 +49,11 @@ struct ToolMotion {
 [[nodiscard]] bool stays_apart(const NearPair& pair, const ToolMotion& motion,
                                double least) noexcept;
 
-/// Looks for a plane that does: that of either triangle, then the one across their closest points at
-/// the beginning, which it leaves behind where none does. About 1 us.
-[[nodiscard]] bool find_plane(NearPair& pair, const ToolMotion& motion, double least) noexcept;
+/// Looks for a plane that does: the one across the direction that served the last pair, that of either
+/// triangle, then the one across their closest points at the beginning, which it leaves behind where
+/// none does, and in `last`. 0.1 to 1 us.
+[[nodiscard]] bool find_plane(NearPair& pair, const ToolMotion& motion, double least,
+                              Vec3& last) noexcept;
 
 /// How near triangles may come in a motion.
 struct GapLimits {

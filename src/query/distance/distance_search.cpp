@@ -117,7 +117,7 @@ bool DistanceSearch::note(const NotedPair& pair, const Vec3& nearest) noexcept
     if (kept_ != nullptr) {
         NearRowsAnswer& answer = kept_->answer;
         answer.complete = answer.count < kept_->rows.size();
-        if (answer.complete) kept_->rows[answer.count++] = {pair.row_a, pair.row_b};
+        if (answer.complete) kept_->rows[answer.count++] = {pair.row_a, pair.row_b, nearest};
         return !answer.complete;
     }
     if (pair.least <= margin_) return ask(pair.row_a, pair.row_b);
