@@ -11,6 +11,10 @@ namespace {
 
 constexpr std::size_t max_pairs = 4096;
 constexpr std::size_t max_contacts = 1024;
+/// Lists with more pairs are followed by ones with half the margin, with fewer by ones with twice that.
+constexpr std::size_t many_pairs = 800;
+constexpr std::size_t few_pairs = 300;
+constexpr double least_margin_clearances = 2;
 constexpr int max_rounds = 6;
 /// Pairs that are nearer than so many clearances are among the constraints from the start.
 constexpr double near_clearances = 2;
@@ -47,7 +51,7 @@ Result<RigidBody> RigidBody::build(const MeshIndex& index, const RigidTransform&
 ToolProxy::ToolProxy(RigidBody tool, std::vector<RigidBody> objects,
                      const ToolProxyOptions& options)
     : tool_(std::move(tool)), objects_(std::move(objects)), options_(options),
-      base_margin_(margin_clearances * options.clearance)
+      base_margin_(margin_clearances * options.clearance), most_margin_(base_margin_)
 {
     options_.max_moves = std::min(options_.max_moves, most_moves);
     rows_.resize(max_pairs);
@@ -119,11 +123,17 @@ bool ToolProxy::list_pairs_once(double margin) noexcept
     return true;
 }
 
-/// Like list_pairs_once, with ever smaller margins where there is no room.
+/// Like list_pairs_once, within a margin that keeps lists short: the more pairs the last list had, the
+/// smaller, and ever smaller where there is no room.
 bool ToolProxy::list_pairs(double margin) noexcept
 {
-    for (; margin >= 2 * options_.clearance; margin /= 2)
-        if (list_pairs_once(margin)) return true;
+    const double least = least_margin_clearances * options_.clearance;
+    for (margin = std::min(margin, most_margin_); margin >= least; margin /= 2) {
+        if (!list_pairs_once(margin)) continue;
+        if (pair_count_ > many_pairs) most_margin_ = std::max(0.5 * margin, least);
+        if (pair_count_ < few_pairs) most_margin_ = std::max(2 * margin, most_margin_);
+        return true;
+    }
     return false;
 }
 
@@ -287,7 +297,7 @@ bool ToolProxy::move(const Twist& wanted) noexcept
         const double space = room();
         if (length > space) {
             const double margin = base_margin_ + 1.5 * length;
-            if (list_margin_ < margin && work_.lists < options_.max_lists) {
+            if (list_margin_ < std::min(margin, most_margin_) && work_.lists < options_.max_lists) {
                 if (!list_pairs(margin)) {
                     end_ = ToolMotionEnd::overloaded;
                     return false;

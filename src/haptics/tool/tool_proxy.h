@@ -120,6 +120,7 @@ private:
     RigidTransform device_;
     RigidTransform list_pose_;
     double list_margin_ = -1; ///< none yet
+    double most_margin_;      ///< of the next list, so that it is short
     std::vector<NearRows> rows_;
     std::vector<NearPair> pairs_;
     std::size_t pair_count_ = 0;
