@@ -84,6 +84,8 @@ bool ToolProxy::place(const RigidTransform& pose) noexcept
     }
     held_count_ = 0;
     path_count_ = 0;
+    last_length_ = 0;
+    most_margin_ = base_margin_;
     return is_free;
 }
 
@@ -299,7 +301,7 @@ bool ToolProxy::move(const Twist& wanted) noexcept
             const double margin = base_margin_ + 1.5 * length;
             if (list_margin_ < std::min(margin, most_margin_) && work_.lists < options_.max_lists) {
                 if (!list_pairs(margin)) {
-                    end_ = ToolMotionEnd::overloaded;
+                    end_ = ToolEnd::overloaded;
                     return false;
                 }
                 collect_near();
@@ -346,7 +348,7 @@ void ToolProxy::follow(const RigidTransform& device) noexcept
 {
     work_ = {};
     device_ = device;
-    end_ = ToolMotionEnd::limited;
+    end_ = ToolEnd::limited;
     path_count_ = 0;
     path_[path_count_++] = pose_;
     const double expected = 2 * std::exchange(last_length_, 0.0);
@@ -358,7 +360,7 @@ void ToolProxy::follow(const RigidTransform& device) noexcept
         if (room() < std::min(length, options_.clearance)) {
             if (work_.lists == options_.max_lists) return;
             if (!list_pairs(base_margin_ + std::min(length, expected))) {
-                end_ = ToolMotionEnd::overloaded;
+                end_ = ToolEnd::overloaded;
                 return;
             }
         }
@@ -369,11 +371,11 @@ void ToolProxy::follow(const RigidTransform& device) noexcept
             last_length_ - before >= length * (1 - 1e-12)) {
             pose_ = device;
             path_[path_count_ - 1] = pose_;
-            end_ = ToolMotionEnd::settled;
+            end_ = ToolEnd::settled;
             return;
         }
         if (!goes_on) {
-            if (end_ == ToolMotionEnd::limited) end_ = ToolMotionEnd::settled;
+            if (end_ == ToolEnd::limited) end_ = ToolEnd::settled;
             return;
         }
         still = last_length_ - before > settled_clearances * options_.clearance ? 0 : still + 1;

@@ -19,6 +19,7 @@
 #include "proxima/geometry.h"
 #include "proxima/intersect_meshes.h"
 #include "proxima/mesh_index.h"
+#include "proxima/tool_renderer.h"
 #include "query/distance/near_rows.h"
 
 #include <array>
@@ -47,9 +48,6 @@ struct ToolProxyOptions {
     std::size_t max_moves = 4; ///< in a tick
     std::size_t max_lists = 2; ///< lists of near pairs in a tick
 };
-
-/// How the proxy's motion of a tick ended.
-enum class ToolMotionEnd : std::uint8_t { settled, limited, overloaded };
 
 /// A contact that holds the tool back.
 struct HeldContact {
@@ -81,7 +79,7 @@ public:
     void follow(const RigidTransform& device) noexcept;
 
     [[nodiscard]] const RigidTransform& pose() const noexcept { return pose_; }
-    [[nodiscard]] ToolMotionEnd end() const noexcept { return end_; }
+    [[nodiscard]] ToolEnd end() const noexcept { return end_; }
     [[nodiscard]] const ToolWork& work() const noexcept { return work_; }
     [[nodiscard]] std::span<const HeldContact> contacts() const noexcept
     {
@@ -136,7 +134,7 @@ private:
     std::size_t path_count_ = 0;
     ConstrainedMotion solution_;
     double last_length_ = 0; ///< of the last tick's path
-    ToolMotionEnd end_ = ToolMotionEnd::settled;
+    ToolEnd end_ = ToolEnd::settled;
     ToolWork work_;
 };
 

@@ -148,7 +148,10 @@ public:
     {
         tick_.condition = state.condition;
         accept(state);
-        if (!has_device_) return tick_;
+        if (!has_device_) {
+            tick_.is_placed = false;
+            return tick_;
+        }
         const RigidTransform device = {tick_.device.rotation,
                                        map_.to_model(tick_.device.translation)};
         const bool was_placed = std::exchange(is_placed_, is_placed_ || proxy_.place(device));
@@ -186,7 +189,7 @@ private:
     {
         tick_.is_placed = is_placed_;
         tick_.proxy = is_placed_ ? proxy_.pose() : device;
-        tick_.end = ToolEnd{static_cast<std::uint8_t>(proxy_.end())};
+        tick_.end = proxy_.end();
         tick_.moves = proxy_.work().moves;
         tick_.near_triangles = proxy_.work().pairs;
         tick_.contact_count = proxy_.contacts().size();

@@ -101,6 +101,77 @@ TEST(ToolOnPlane, TiltedFartherItStandsOnAnEdge)
     EXPECT_LT(tick.force.head<2>().norm(), force_error);
 }
 
+/// A box on its corner: one vertex bears all of it, and the torque is that of its arm.
+TEST(ToolOnPlane, OnItsCornerItTurnsUntilTheSpringsBalance)
+{
+    ToolBench bench = box_on_table();
+    const Vec3 axis = Vec3(1, -1, 0).normalized();
+    const double upright = std::acos(1 / std::sqrt(3.0)); // a diagonal points down
+    bench.start(pose_at({0, 0, 0.03}, upright * axis));
+    const ToolTick& tick =
+        bench.lead(pose_at({0, 0, half * std::sqrt(3.0) - 0.002}, upright * axis), 100, 200);
+    EXPECT_NEAR(tick.force.z(), stiffness * (0.002 + clearance), 10 * force_error);
+    EXPECT_LT(tick.torque.norm(), 10 * torque_error); // the diagonal passes through the origin
+    EXPECT_EQ(tick.contact_count, 1U);
+}
+
+/// Two edges that cross at right angles, and the tool above its own edge: the one contact bears all.
+TEST(ToolOnEdge, CrossedEdgesTouchAtOnePoint)
+{
+    // A ridge along y with its edge at z = 0.
+    const TriangleMesh ridge = mesh_of({{0, -0.1, 0},
+                                        {0, 0.1, 0},
+                                        {0.1, -0.1, -0.1},
+                                        {0.1, 0.1, -0.1},
+                                        {-0.1, -0.1, -0.1},
+                                        {-0.1, 0.1, -0.1}},
+                                       {{0, 2, 3}, {0, 3, 1}, {0, 1, 5}, {0, 5, 4}});
+    ToolBench bench(box_mesh(Vec3::Constant(half)), {{index_of(ridge), {}}});
+    const Vec3 turn(std::numbers::pi / 4, 0, 0); // an edge along x points down
+    bench.start(pose_at({0, 0.004, 0.03}, turn));
+    const double rest = half * std::numbers::sqrt2;
+    const ToolTick& tick = bench.lead(pose_at({0, 0.004, rest - 0.003}, turn), 100, 100);
+    EXPECT_NEAR(tick.force.z(), stiffness * (0.003 + clearance), force_error);
+    EXPECT_LT(tick.force.head<2>().norm(), force_error);
+    EXPECT_LT(tick.torque.norm(), torque_error);
+    ASSERT_GE(tick.contact_count, 1U);
+    EXPECT_LT((tick.contacts[0].position - Vec3(0, 0.004, 0)).norm(), 1e-6);
+    EXPECT_FALSE(bench.meets());
+}
+
+/// Edges between triangles of one plane hold nothing back.
+TEST(ToolOnPlane, ItSlidesOverTriangulatedPlanesWithoutCatching)
+{
+    std::vector<Vec3> positions;
+    std::vector<TriangleCorners> triangles;
+    const std::uint32_t cells = 24;
+    for (std::uint32_t i = 0; i <= cells; ++i)
+        for (std::uint32_t k = 0; k <= cells; ++k)
+            positions.emplace_back(0.1 * i / cells - 0.05, 0.1 * k / cells - 0.05, 0);
+    for (std::uint32_t i = 0; i < cells; ++i) {
+        for (std::uint32_t k = 0; k < cells; ++k) {
+            const std::uint32_t a = i * (cells + 1) + k;
+            triangles.push_back({a, a + cells + 1, a + cells + 2});
+            triangles.push_back({a, a + cells + 2, a + 1});
+        }
+    }
+    const MeshIndex plane = index_of(mesh_of(positions, triangles));
+    for (const double tilt : {0.0, 0.7}) {
+        ToolBench bench(box_mesh(Vec3::Constant(half)), {{plane, {}}});
+        const auto at = [&](double x) {
+            return pose_at({x, 0.3 * x, tilt > 0 ? 0.012 : 0.008}, {tilt, 0, 0});
+        };
+        bench.start(pose_at({-0.03, -0.009, 0.03}, {tilt, 0, 0}));
+        (void)bench.lead(at(-0.03), 50);
+        for (int i = 0; i < 300; ++i) {
+            const ToolTick& tick = bench.tick(at(-0.03 + 2e-4 * i));
+            ASSERT_GT(tick.force.z(), 0.5);
+            // Once over the way, not a sideways force of a hundredth of a millimetre's stretch.
+            ASSERT_LT(tick.force.head<2>().norm(), stiffness * 1e-5) << i << ", tilt " << tilt;
+        }
+    }
+}
+
 /// Two slopes of 45 degrees: the ball rests on both, and each bears F / sqrt(2).
 TEST(ToolInGroove, TheBallRestsOnBothSides)
 {
