@@ -14,6 +14,7 @@
 #include "cli/touch_report.h"
 #include "cli/touch_self_test.h"
 #include "cli/touch_session.h"
+#include "cli/touch_tool.h"
 
 #include <CLI/CLI.hpp>
 #include <cmath>
@@ -225,6 +226,8 @@ Status run_touch(TouchCommandOptions options, Session& session)
     if (Status status = check_engine_options(options); !status) return status;
     if (Status status = check_self_test_options(options); !status) return status;
     if (options.self_test) return run_self_test(options, session);
+    if (!options.tool.tool.empty())
+        return run_tool(options.tool, options.model, settings_of(options), session);
     if (Status status = check_picture(options, session); !status) return status;
     return options.device.starts_with(replay_prefix) ? run_replay(options, session)
                                                      : run_device(options, session);
@@ -245,6 +248,7 @@ Command add_touch_command(CLI::App& app)
     add_object_options(*parser, options->objects);
     add_touch_options(*parser, *options);
     add_engine_option(*parser, *options);
+    add_tool_options(*parser, options->tool);
     add_self_test_options(*parser, *options);
     // Neither model nor device is needed then.
     parser->add_flag_callback(

@@ -28,6 +28,13 @@ constexpr std::array recorded_options = {
     "--friction",      "--shading",        "--force",     "--scale",   "--axes",
     "--clutch",        "--device-library", "--stillness", "--patch",   "--collision-rate",
     "--graphics-rate", "--record",         "--method",    "--guard",   "--engine"};
+/// What a tool has no use for yet, and what is for a tool alone.
+constexpr std::array unfit_for_a_tool = {"--radius",   "--friction", "--shading", "--force",
+                                         "--guard",    "--lists",    "--record",  "--patch",
+                                         "--picture",  "--object",   "--pose",    "--motion",
+                                         "--material", "--texture",  "--engine"};
+constexpr std::array tool_options = {"--tool-scale", "--turn", "--max-torque", "--clearance",
+                                     "--ticks"};
 constexpr std::array driver_options = {"--device-library"};
 
 std::string names_of_devices()
@@ -185,8 +192,17 @@ Status check_options(const TouchCommandOptions& options)
         return fail(ErrorCode::invalid_argument,
                     "a saved index is built already: leave it out, or give a mesh", "--lists");
     }
+    Status tool = options.tool.tool.empty()
+                      ? refuse(tool_options, "is of a tool: give --tool, or leave it out")
+                      : refuse(unfit_for_a_tool, "is not for a tool: leave it or --tool out");
+    if (!tool) return tool;
     const std::string kind = options.device.substr(0, options.device.find(':'));
     Status status;
+    if (kind == "replay" && !options.tool.tool.empty()) {
+        return fail(ErrorCode::invalid_argument,
+                    "recordings are of points: leave --tool out, or give another device",
+                    "--device");
+    }
     if (kind == "replay") {
         const char* const why = "a replay repeats the session as it was recorded: leave it out";
         status = refuse(recorded_options, why);

@@ -4,6 +4,7 @@
 #include "cli/query_method.h"
 #include "cli/touch_objects.h"
 #include "cli/touch_session.h"
+#include "cli/touch_tool.h"
 #include "proxima/result.h"
 
 #include <CLI/App.hpp>
@@ -17,6 +18,7 @@ namespace proxima {
 struct TouchCommandOptions {
     std::string model;
     ObjectOptions objects;
+    ToolCommandOptions tool;
     std::string device;
     std::string engine;    ///< the channel to one; "" for none
     std::string library;   ///< of hd and dhd

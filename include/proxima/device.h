@@ -32,6 +32,7 @@ namespace proxima {
 
 class HapticRenderer;
 class InputGuard;
+class ToolRenderer;
 
 /// Limits of a device, as its maker states them.
 struct DeviceLimits {
@@ -40,6 +41,7 @@ struct DeviceLimits {
     double max_stiffness = 400;      ///< N/m
     double max_damping = 4;          ///< N s/m
     double workspace_radius = 0.075; ///< m, of a ball that the tip can reach
+    double max_torque = 0;           ///< N m; 0 = a device without torques
 };
 
 /// The smaller of each limit, under the first one's name.
@@ -88,7 +90,8 @@ struct DevicePlane {
 /// What a device gets in a tick: a force, and for devices with a servo loop of their own what the
 /// force was made from. A program that only has a force sets that alone.
 struct DeviceCommand {
-    Vec3 force = Vec3::Zero(); ///< N: finite, within the limits, ramps included
+    Vec3 force = Vec3::Zero();  ///< N: finite, within the limits, ramps included
+    Vec3 torque = Vec3::Zero(); ///< N m, likewise; zero for devices without torques
     InputCondition condition = InputCondition::well; ///< of the reading that it answers
     double force_scale = 1;     ///< 0 to 1: the ramps; multiplies forces made from `planes`
     double stiffness = 0;       ///< N/m
@@ -298,6 +301,9 @@ public:
 
     /// The command for the device after the renderer's tick, in the device's axes.
     [[nodiscard]] DeviceCommand command(const HapticRenderer& renderer) noexcept;
+
+    /// The same for a tool: force and torque, without planes.
+    [[nodiscard]] DeviceCommand command(const ToolRenderer& renderer) noexcept;
 
     /// From the next tick on the force fades for good: the session ends.
     void release() noexcept;

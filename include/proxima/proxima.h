@@ -26,6 +26,7 @@
 #include "proxima/sample_meshes.h"
 #include "proxima/signed_distance.h"
 #include "proxima/thesis.h"
+#include "proxima/tool_renderer.h"
 #include "proxima/topology.h"
 #include "proxima/touch_scene.h"
 #include "proxima/triangle_mesh.h"

@@ -47,7 +47,7 @@ PUBLIC = {
     "intersect_meshes.h": "query", "mesh_distance.h": "query", "neighbourhood.h": "query",
     "signed_distance.h": "query",
     "thesis.h": "thesis",
-    "device.h": "haptics", "haptic_renderer.h": "haptics", "touch_scene.h": "haptics",
+    "device.h": "haptics", "haptic_renderer.h": "haptics", "tool_renderer.h": "haptics", "touch_scene.h": "haptics",
 }
 EVERYTHING = Path("include/proxima/proxima.h")
 PUBLIC_FOREIGN = {"result.h": {"tl"}}

@@ -4,6 +4,7 @@
 #include "haptics/force/surface_renderer.h"
 #include "proxima/device.h"
 #include "proxima/haptic_renderer.h"
+#include "proxima/tool_renderer.h"
 
 #include <algorithm>
 #include <bit>
@@ -58,6 +59,7 @@ public:
 
     const DeviceState& accept(const DeviceReading& reading) noexcept;
     [[nodiscard]] DeviceCommand command(const HapticRenderer& renderer) noexcept;
+    [[nodiscard]] DeviceCommand command(const ToolRenderer& renderer) noexcept;
     void release() noexcept { released_ = true; }
     [[nodiscard]] ButtonQueue& events() noexcept { return events_; }
     [[nodiscard]] const InputReport& report() const noexcept { return report_; }
@@ -277,6 +279,22 @@ DeviceCommand InputGuard::command(const HapticRenderer& renderer) noexcept
     return command;
 }
 
+DeviceCommand InputGuard::command(const ToolRenderer& renderer) noexcept
+{
+    const ToolTick& tick = renderer.last();
+    const Mat3 back = options_.rotation.transpose();
+    DeviceCommand command;
+    command.force = back * tick.force;
+    command.torque = back * tick.torque;
+    command.condition = state_.condition;
+    command.force_scale = tick.force_scale;
+    command.stiffness = renderer.options().force.stiffness;
+    command.damping = renderer.options().force.damping;
+    force_ = tick.force.norm();
+    watch_recovery(command.force_scale);
+    return command;
+}
+
 DeviceInput::DeviceInput(std::unique_ptr<InputGuard> guard) noexcept : guard_(std::move(guard)) {}
 DeviceInput::DeviceInput(DeviceInput&& other) noexcept = default;
 DeviceInput& DeviceInput::operator=(DeviceInput&& other) noexcept = default;
@@ -288,6 +306,11 @@ const DeviceState& DeviceInput::accept(const DeviceReading& reading) noexcept
 }
 
 DeviceCommand DeviceInput::command(const HapticRenderer& renderer) noexcept
+{
+    return guard_->command(renderer);
+}
+
+DeviceCommand DeviceInput::command(const ToolRenderer& renderer) noexcept
 {
     return guard_->command(renderer);
 }

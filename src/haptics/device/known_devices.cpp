@@ -18,10 +18,12 @@ constexpr std::array<DeviceLimits, 6> devices = {{{"touch", 3.3, 400, 4, 0.075},
 
 DeviceLimits within(const DeviceLimits& limits, const DeviceLimits& other) noexcept
 {
-    return {limits.name, std::min(limits.max_force, other.max_force),
+    return {limits.name,
+            std::min(limits.max_force, other.max_force),
             std::min(limits.max_stiffness, other.max_stiffness),
             std::min(limits.max_damping, other.max_damping),
-            std::min(limits.workspace_radius, other.workspace_radius)};
+            std::min(limits.workspace_radius, other.workspace_radius),
+            std::min(limits.max_torque, other.max_torque)};
 }
 
 std::span<const DeviceLimits> known_devices() noexcept

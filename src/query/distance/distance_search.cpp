@@ -114,6 +114,12 @@ bool DistanceSearch::ask(std::uint32_t row_a, std::uint32_t row_b) noexcept
 
 bool DistanceSearch::note(const NotedPair& pair, const Vec3& nearest) noexcept
 {
+    if (kept_ != nullptr) {
+        NearRowsAnswer& answer = kept_->answer;
+        answer.complete = answer.count < kept_->rows.size();
+        if (answer.complete) kept_->rows[answer.count++] = {pair.row_a, pair.row_b, nearest};
+        return !answer.complete;
+    }
     if (pair.least <= margin_) return ask(pair.row_a, pair.row_b);
     if (noted_count_ == most_noted && settle()) return true;
     noted_[noted_count_++] = pair;

@@ -7,11 +7,13 @@
 
 #include "index/index_parts.h"
 #include "proxima/mesh_distance.h"
+#include "query/distance/near_rows.h"
 
 #include <array>
 #include <cstddef>
 #include <cstdint>
 #include <limits>
+#include <span>
 
 namespace proxima {
 
@@ -46,12 +48,21 @@ inline constexpr double near_reach = 32;
 inline constexpr double far_reach = 0x1p26;
 inline constexpr double farthest_reach = 0x1p60;
 
+/// Pairs that a search keeps instead of looking for the closest one.
+struct NearRowsList {
+    std::span<NearRows> rows;
+    NearRowsAnswer answer;
+};
+
 /// The pose in the frame, and the closest pair so far.
 class DistanceSearch {
 public:
     /// Looks for pairs at most `farthest` apart.
     DistanceSearch(const IndexParts& a, const IndexParts& b, const RigidTransform& pose_b,
                    double farthest) noexcept;
+
+    /// From now on every noted pair is added to the list, and none is asked.
+    void keep_all(NearRowsList& list) noexcept { kept_ = &list; }
 
     /// Compares the best pair with that of these rows, in doubles. Returns true where they touch.
     bool ask(std::uint32_t row_a, std::uint32_t row_b) noexcept;
@@ -101,6 +112,7 @@ private:
     double best_squared_;
     double farthest_;
     bool found_ = false;
+    NearRowsList* kept_ = nullptr;
     MeshDistance best_;
 };
 

@@ -3,11 +3,13 @@
 #include "base/fixed_stack.h"
 #include "index/index_parts.h"
 #include "query/distance/distance_search.h"
+#include "query/distance/near_rows.h"
 
 #include <algorithm>
 #include <bit>
 #include <cstddef>
 #include <hwy/cache_control.h>
+#include <span>
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "query/distance/mesh_distance.cpp"
@@ -164,6 +166,18 @@ std::optional<MeshDistance> mesh_distance(const MeshIndex& a, const MeshIndex& b
         (void)search.settle();
     }
     return search.found() ? std::optional(search.best()) : std::nullopt;
+}
+
+NearRowsAnswer near_rows(const MeshIndex& a, const MeshIndex& b, const RigidTransform& pose_b,
+                         double distance, std::span<NearRows> rows) noexcept
+{
+    if (a.triangle_count() == 0 || b.triangle_count() == 0) return {};
+    DistanceSearch search(a.parts(), b.parts(), pose_b, distance);
+    if (search.needs_no_walk()) return {};
+    NearRowsList list = {rows, {}};
+    search.keep_all(list);
+    (void)HWY_DYNAMIC_DISPATCH(walk_pairs)(search);
+    return list.answer;
 }
 
 } // namespace proxima

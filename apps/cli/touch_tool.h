@@ -1,0 +1,29 @@
+// `proxima touch --tool`: a rigid tool in place of the point, with torques.
+#pragma once
+
+#include "cli/session.h"
+#include "cli/touch_session.h"
+#include "proxima/result.h"
+
+#include <CLI/App.hpp>
+#include <string>
+
+namespace proxima {
+
+struct ToolCommandOptions {
+    std::string tool;      ///< a mesh; "" for none
+    double tool_scale = 1; ///< of the tool's coordinates, to the model's unit
+    double turn = 0;       ///< degrees, of a simulated hand's wrist
+    double max_torque = 0; ///< N m
+    double clearance = 1e-5;
+    std::string ticks; ///< a table of all ticks; "" for none
+};
+
+void add_tool_options(CLI::App& parser, ToolCommandOptions& options);
+
+/// Touches the model with the tool and reports. Each tick is looked at by the exact test of whether
+/// tool and model meet. Errors: those of make_tool_renderer and of the device.
+[[nodiscard]] Status run_tool(const ToolCommandOptions& options, const std::string& model_name,
+                              const TouchSettings& settings, Session& session);
+
+} // namespace proxima

@@ -1,0 +1,182 @@
+#include "haptics/tool/tool_contacts.h"
+
+#include "geometry/closest_point.h"
+
+#include <array>
+#include <cmath>
+#include <optional>
+
+namespace proxima {
+
+namespace {
+
+/// Sine of the angle by which a neighbour may be on the near side of a contact, for rounding.
+constexpr double near_side = 1e-7;
+/// Sine of the angle below which edges count as parallel: their ends are the contacts.
+constexpr double parallel = 1e-6;
+
+/// Whether no neighbour is nearer along the normal than the feature's point.
+bool is_nearest(const PlacedFeatures& mesh, std::span<const std::uint32_t> neighbours,
+                const Vec3& point, const Vec3& normal) noexcept
+{
+    for (const std::uint32_t each : neighbours) {
+        const Vec3 to = mesh.pose(mesh.features->position(each)) - point;
+        if (normal.dot(to) > near_side * to.norm()) return false;
+    }
+    return true;
+}
+
+Segment side_of(const Triangle& triangle, std::size_t k) noexcept
+{
+    return {triangle.vertices[k], triangle.vertices[(k + 1) % 3]};
+}
+
+/// The contacts of one pair.
+class ContactFinder {
+public:
+    ContactFinder(const NearPair& pair, const PlacedFeatures& scene, const PlacedFeatures& tool,
+                  double farthest, std::span<FeatureContact> contacts) noexcept
+        : scene_(scene), tool_(tool), scene_row_(scene.features->row(pair.scene_row)),
+          tool_row_(tool.features->row(pair.tool_row)), on_scene_(pair.scene),
+          on_tool_(tool.pose(pair.tool)), farthest_(farthest), contacts_(contacts)
+    {}
+
+    std::size_t find() noexcept
+    {
+        for (std::size_t k = 0; k < 3; ++k) {
+            const bool is_owned = (tool_row_.owned_vertices >> k & 1) != 0;
+            const Vec3& corner = on_tool_.vertices[k];
+            if (is_owned) {
+                if (const auto foot = foot_on(on_scene_, corner)) add(*foot, corner);
+            }
+            if ((scene_row_.owned_vertices >> k & 1) == 0) continue;
+            const Vec3& vertex = on_scene_.vertices[k];
+            if (const auto foot = foot_on(on_tool_, vertex)) add(vertex, *foot);
+        }
+        for (std::size_t i = 0; i < 3; ++i) {
+            for (std::size_t k = 0; k < 3; ++k) {
+                const bool scene_edge = (scene_row_.owned_edges >> i & 1) != 0;
+                const bool tool_edge = (tool_row_.owned_edges >> k & 1) != 0;
+                const bool scene_vertex = (scene_row_.owned_vertices >> i & 1) != 0;
+                const bool tool_vertex = (tool_row_.owned_vertices >> k & 1) != 0;
+                if (scene_edge && tool_edge) try_edges(i, k);
+                if (scene_edge && tool_vertex) try_tool_vertex(i, k);
+                if (scene_vertex && tool_edge) try_scene_vertex(i, k);
+                if (scene_vertex && tool_vertex) try_vertices(i, k);
+            }
+        }
+        return count_;
+    }
+
+private:
+    /// The foot of p on the triangle's plane where that is on the triangle, its border included.
+    [[nodiscard]] static std::optional<Vec3> foot_on(const Triangle& triangle,
+                                                     const Vec3& p) noexcept
+    {
+        const Vec3 foot = closest_point(triangle, p).point;
+        const Vec3 normal = scaled_normal(triangle);
+        const Vec3 across = p - foot;
+        if (across.cross(normal).norm() > near_side * across.norm() * normal.norm())
+            return std::nullopt;
+        return foot;
+    }
+
+    /// The vector from the scene's point to the tool's, of length 1; nothing where it is out of reach.
+    [[nodiscard]] std::optional<Vec3> direction(const Vec3& scene, const Vec3& tool) const noexcept
+    {
+        const Vec3 across = tool - scene;
+        const double distance = across.norm();
+        if (!(distance > 0 && distance <= farthest_)) return std::nullopt;
+        return Vec3(across / distance);
+    }
+    void add(const Vec3& scene, const Vec3& tool) noexcept
+    {
+        const auto normal = direction(scene, tool);
+        if (!normal || count_ == contacts_.size()) return;
+        contacts_[count_++] = {scene, tool, *normal, (tool - scene).norm(), 0};
+    }
+
+    void try_edges(std::size_t i, std::size_t k) noexcept
+    {
+        const Segment first = side_of(on_scene_, i);
+        const Segment second = side_of(on_tool_, k);
+        const Vec3 u = first.to - first.from;
+        const Vec3 w = second.to - second.from;
+        if (!(u.cross(w).norm() > parallel * u.norm() * w.norm())) return;
+        const SegmentPair nearest = closest_points(first, second);
+        const bool inside = nearest.first.t > 0 && nearest.first.t < 1 && nearest.second.t > 0 &&
+                            nearest.second.t < 1;
+        if (!inside) return;
+        const auto normal = direction(nearest.first.point, nearest.second.point);
+        if (!normal || !is_scene_edge(i, nearest.first.point, *normal) ||
+            !is_tool_edge(k, nearest.second.point, *normal))
+            return;
+        add(nearest.first.point, nearest.second.point);
+    }
+    void try_tool_vertex(std::size_t i, std::size_t k) noexcept
+    {
+        const Vec3& vertex = on_tool_.vertices[k];
+        const SegmentPoint foot = closest_point(side_of(on_scene_, i), vertex);
+        if (!(foot.t > 0 && foot.t < 1)) return;
+        const auto normal = direction(foot.point, vertex);
+        if (normal && is_scene_edge(i, foot.point, *normal) && is_tool_vertex(k, *normal))
+            add(foot.point, vertex);
+    }
+    void try_scene_vertex(std::size_t i, std::size_t k) noexcept
+    {
+        const Vec3& vertex = on_scene_.vertices[i];
+        const SegmentPoint foot = closest_point(side_of(on_tool_, k), vertex);
+        if (!(foot.t > 0 && foot.t < 1)) return;
+        const auto normal = direction(vertex, foot.point);
+        if (normal && is_scene_vertex(i, *normal) && is_tool_edge(k, foot.point, *normal))
+            add(vertex, foot.point);
+    }
+    void try_vertices(std::size_t i, std::size_t k) noexcept
+    {
+        const auto normal = direction(on_scene_.vertices[i], on_tool_.vertices[k]);
+        if (normal && is_scene_vertex(i, *normal) && is_tool_vertex(k, *normal))
+            add(on_scene_.vertices[i], on_tool_.vertices[k]);
+    }
+
+    [[nodiscard]] bool is_scene_edge(std::size_t i, const Vec3& point,
+                                     const Vec3& normal) const noexcept
+    {
+        return is_nearest(scene_, scene_.features->around_edge(scene_row_.edges[i]), point, normal);
+    }
+    [[nodiscard]] bool is_tool_edge(std::size_t k, const Vec3& point,
+                                    const Vec3& normal) const noexcept
+    {
+        return is_nearest(tool_, tool_.features->around_edge(tool_row_.edges[k]), point, -normal);
+    }
+    [[nodiscard]] bool is_scene_vertex(std::size_t i, const Vec3& normal) const noexcept
+    {
+        return is_nearest(scene_, scene_.features->around_vertex(scene_row_.vertices[i]),
+                          on_scene_.vertices[i], normal);
+    }
+    [[nodiscard]] bool is_tool_vertex(std::size_t k, const Vec3& normal) const noexcept
+    {
+        return is_nearest(tool_, tool_.features->around_vertex(tool_row_.vertices[k]),
+                          on_tool_.vertices[k], -normal);
+    }
+
+    const PlacedFeatures& scene_;
+    const PlacedFeatures& tool_;
+    const FeatureRow& scene_row_;
+    const FeatureRow& tool_row_;
+    Triangle on_scene_;
+    Triangle on_tool_;
+    double farthest_;
+    std::span<FeatureContact> contacts_;
+    std::size_t count_ = 0;
+};
+
+} // namespace
+
+std::size_t find_contacts(const NearPair& pair, const PlacedFeatures& scene,
+                          const PlacedFeatures& tool, double farthest,
+                          std::span<FeatureContact> contacts) noexcept
+{
+    return ContactFinder(pair, scene, tool, farthest, contacts).find();
+}
+
+} // namespace proxima

@@ -1,0 +1,40 @@
+// The points at which a triangle of an object and one of the tool hold each other back.
+//
+//     vertex and face    edge and edge    vertex and edge    vertex and vertex
+//
+// A contact is where the distance of the two surfaces is least among near points: neighbours of a
+// vertex or an edge are no nearer. So a tool that slides over the edges between triangles of one plane
+// is not held back by them.
+#pragma once
+
+#include "haptics/tool/contact_features.h"
+#include "haptics/tool/triangle_separation.h"
+#include "proxima/geometry.h"
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+
+namespace proxima {
+
+struct FeatureContact {
+    Vec3 scene_point = Vec3::Zero();
+    Vec3 tool_point = Vec3::Zero();
+    Vec3 normal = Vec3::UnitZ(); ///< from the scene to the tool, of length 1
+    double gap = 0;              ///< their distance
+    std::uint32_t pair = 0;
+};
+
+/// The features of an object, and where it is.
+struct PlacedFeatures {
+    const ContactFeatures* features = nullptr;
+    RigidTransform pose = {};
+};
+
+/// Writes the contacts of the pair's own features that are at most `farthest` apart, as many as there
+/// is room for. Returns how many were written. noexcept, no allocation.
+[[nodiscard]] std::size_t find_contacts(const NearPair& pair, const PlacedFeatures& scene,
+                                        const PlacedFeatures& tool, double farthest,
+                                        std::span<FeatureContact> contacts) noexcept;
+
+} // namespace proxima

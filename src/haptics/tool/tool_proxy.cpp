@@ -1,0 +1,385 @@
+#include "haptics/tool/tool_proxy.h"
+
+#include "index/index_parts.h"
+
+#include <algorithm>
+#include <utility>
+
+namespace proxima {
+
+namespace {
+
+constexpr std::size_t max_pairs = 4096;
+constexpr std::size_t max_contacts = 1024;
+/// Lists with more pairs are followed by ones with half the margin, with fewer by ones with twice that.
+constexpr std::size_t many_pairs = 800;
+constexpr std::size_t few_pairs = 300;
+constexpr double least_margin_clearances = 2;
+constexpr int max_rounds = 6;
+/// Pairs that are nearer than so many clearances are among the constraints from the start.
+constexpr double near_clearances = 2;
+/// Lists reach at least so many clearances farther than the tool is going to move.
+constexpr double margin_clearances = 10;
+/// A motion that is shorter than so many clearances settles the proxy.
+constexpr double settled_clearances = 0.1;
+/// So does one that shortens the stretch of the springs by less than so many.
+constexpr double gain_clearances = 0.02;
+/// The part of a motion that is made at least.
+constexpr double least_part = 0.05;
+constexpr double constraint_tolerance = 1e-4; ///< clearances
+
+/// The pose of the tool in the frame of an object.
+RigidTransform relative_pose(const RigidTransform& object, const RigidTransform& tool) noexcept
+{
+    const Mat3 back = object.rotation.transpose();
+    return {back * tool.rotation, back * (tool.translation - object.translation)};
+}
+
+} // namespace
+
+Result<RigidBody> RigidBody::build(const MeshIndex& index, const RigidTransform& pose)
+{
+    auto with = with_slabs(index);
+    if (!with) return tl::unexpected(with.error());
+    auto features = ContactFeatures::build(*with);
+    if (!features) return tl::unexpected(features.error());
+    const auto inside = build_enclosure(*with);
+    if (!inside) return tl::unexpected(inside.error());
+    return RigidBody{*with, std::move(*features), *inside, pose};
+}
+
+ToolProxy::ToolProxy(RigidBody tool, std::vector<RigidBody> objects,
+                     const ToolProxyOptions& options)
+    : tool_(std::move(tool)), objects_(std::move(objects)), options_(options),
+      base_margin_(margin_clearances * options.clearance), most_margin_(base_margin_)
+{
+    options_.max_moves = std::min(options_.max_moves, most_moves);
+    rows_.resize(max_pairs);
+    pairs_.resize(max_pairs);
+    apart_until_.resize(max_pairs);
+    contacts_.resize(max_contacts);
+    constraints_.resize(max_contacts);
+}
+
+bool ToolProxy::place(const RigidTransform& pose) noexcept
+{
+    for (const RigidBody& object : objects_) {
+        const RigidTransform relative = relative_pose(object.pose, pose);
+        if (meshes_intersect(object.index, tool_.index, relative)) return false;
+        const ContainmentAnswer answer = find_containment(object.inside, tool_.inside, relative);
+        // Open meshes have no inside.
+        if (answer.containment != Containment::none &&
+            answer.method != InsideMethod::winding_number)
+            return false;
+    }
+    const RigidTransform before = std::exchange(pose_, pose);
+    bool is_free = list_pairs_once(base_margin_);
+    const ToolMotion rest = {pose_, pose_, {}};
+    Vec3 last = Vec3::Zero(); // direction of a plane
+    for (std::size_t i = 0; is_free && i < pair_count_; ++i)
+        is_free = find_plane(pairs_[i], rest, 0.5 * options_.clearance, last);
+    if (!is_free) {
+        pose_ = before;
+        list_margin_ = -1;
+    }
+    held_count_ = 0;
+    path_count_ = 0;
+    last_length_ = 0;
+    most_margin_ = base_margin_;
+    return is_free;
+}
+
+/// Lists all pairs within the margin of each other where the tool is; false where there is no room
+/// for them.
+bool ToolProxy::list_pairs_once(double margin) noexcept
+{
+    pair_count_ = 0;
+    list_margin_ = -1;
+    for (std::size_t at = 0; at < objects_.size(); ++at) {
+        const RigidBody& object = objects_[at];
+        const NearRowsAnswer near =
+            near_rows(object.index, tool_.index, relative_pose(object.pose, pose_), margin,
+                      std::span(rows_).subspan(pair_count_));
+        if (!near.complete) return false;
+        for (std::size_t i = 0; i < near.count; ++i) {
+            NearPair& pair = pairs_[pair_count_ + i];
+            const NearRows& rows = rows_[pair_count_ + i];
+            pair.contacts = PairContacts::none;
+            pair.reach = 0;
+            pair.scene = object.pose(object.index.parts().triangle(rows.a));
+            pair.tool = tool_.index.parts().triangle(rows.b);
+            for (const Vec3& corner : pair.tool.vertices)
+                pair.reach = std::max(pair.reach, corner.norm());
+            pair.scene_row = rows.a;
+            pair.tool_row = rows.b;
+            pair.object = static_cast<std::uint32_t>(at);
+            set_normal(pair, object.pose.rotation * rows.across);
+            apart_until_[pair_count_ + i] = travelled_;
+        }
+        pair_count_ += near.count;
+    }
+    list_pose_ = pose_;
+    list_margin_ = margin;
+    ++work_.lists;
+    work_.pairs = std::max(work_.pairs, pair_count_);
+    return true;
+}
+
+/// Like list_pairs_once, within a margin that keeps lists short: the more pairs the last list had, the
+/// smaller, and ever smaller where there is no room.
+bool ToolProxy::list_pairs(double margin) noexcept
+{
+    const double least = least_margin_clearances * options_.clearance;
+    for (margin = std::min(margin, most_margin_); margin >= least; margin /= 2) {
+        if (!list_pairs_once(margin)) continue;
+        if (pair_count_ > many_pairs) most_margin_ = std::max(0.5 * margin, least);
+        if (pair_count_ < few_pairs) most_margin_ = std::max(2 * margin, most_margin_);
+        return true;
+    }
+    return false;
+}
+
+/// How far points of the tool may still move before a pair that is not listed could be too near.
+double ToolProxy::room() const noexcept
+{
+    if (list_margin_ < 0) return -1;
+    const double moved = twist_between(list_pose_, pose_).path_length(tool_.features.reach());
+    return list_margin_ - options_.clearance - moved;
+}
+
+/// Takes the contacts of a pair whose gap is more than `nearest` and at most `farthest`.
+void ToolProxy::add_contacts(std::uint32_t pair, double nearest, double farthest) noexcept
+{
+    const RigidBody& object = objects_[pairs_[pair].object];
+    const std::span<FeatureContact> free = std::span(contacts_).subspan(contact_count_);
+    const std::size_t found = find_contacts(pairs_[pair], {&object.features, object.pose},
+                                            {&tool_.features, pose_}, farthest, free);
+    for (const FeatureContact& contact : free.first(found)) {
+        if (!(contact.gap > nearest)) continue;
+        contacts_[contact_count_] = contact;
+        contacts_[contact_count_++].pair = pair;
+    }
+}
+
+/// Takes the contacts of all pairs that are near.
+void ToolProxy::collect_near() noexcept
+{
+    contact_count_ = 0;
+    const double near = near_clearances * options_.clearance;
+    const ToolMotion rest = {pose_, pose_, {}};
+    Vec3 last = Vec3::Zero(); // direction of a plane
+    for (std::uint32_t i = 0; i < pair_count_; ++i) {
+        if (apart_until_[i] > travelled_ + near) {
+            pairs_[i].contacts = PairContacts::none;
+            continue;
+        }
+        NearPair& pair = pairs_[i];
+        double gap = plane_gap(pair, pose_);
+        if (pair.normal.isZero(0)) {
+            (void)find_plane(pair, rest, near, last);
+            gap = plane_gap(pair, pose_);
+        }
+        apart_until_[i] = travelled_ + gap;
+        pair.contacts = gap > near ? PairContacts::none : PairContacts::near;
+        if (pair.contacts == PairContacts::near) add_contacts(i, 0, near);
+    }
+}
+
+/// Takes the contacts of all other pairs that the motion would bring too near; false where there are
+/// none.
+bool ToolProxy::collect_hit(const ToolMotion& motion) noexcept
+{
+    const std::size_t before = contact_count_;
+    const double least = 0.95 * options_.clearance;
+    Vec3 last = Vec3::Zero(); // direction of a plane
+    const double length = motion.twist.path_length(tool_.features.reach());
+    for (std::uint32_t i = 0; i < pair_count_; ++i) {
+        if (apart_until_[i] >= travelled_ + length + least) continue;
+        NearPair& pair = pairs_[i];
+        if (pair.contacts == PairContacts::all || stays_apart(pair, motion, least) ||
+            find_plane(pair, motion, least, last))
+            continue;
+        const double near = near_clearances * options_.clearance;
+        add_contacts(i, pair.contacts == PairContacts::near ? near : 0, list_margin_ + length);
+        pair.contacts = PairContacts::all;
+    }
+    return contact_count_ > before;
+}
+
+/// The motion nearest to the wanted one that all contacts allow.
+Twist ToolProxy::solve(const Vec6& wanted) noexcept
+{
+    const double length = options_.turning_length;
+    const double tolerance = constraint_tolerance * options_.clearance;
+    work_.contacts = std::max(work_.contacts, contact_count_);
+    const auto constraints = std::span(constraints_).first(contact_count_);
+    for (std::size_t i = 0; i < contact_count_; ++i) {
+        const FeatureContact& contact = contacts_[i];
+        const Vec3 arm = contact.tool_point - pose_.translation;
+        constraints[i].direction.head<3>() = contact.normal;
+        constraints[i].direction.tail<3>() = arm.cross(contact.normal) / length;
+        constraints[i].bound = options_.clearance - contact.gap;
+    }
+    solution_ = least_constraint(wanted, constraints, tolerance);
+    if (!solution_.solved) {
+        // There may be no room for the whole clearance: then no contact may come nearer.
+        for (MotionConstraint& each : constraints) each.bound = std::min(each.bound, 0.0);
+        solution_ = least_constraint(wanted, constraints, tolerance);
+    }
+    if (!solution_.solved) {
+        solution_ = {};
+        solution_.solved = false;
+    }
+    return {solution_.motion.head<3>(), solution_.motion.tail<3>() / length};
+}
+
+/// What the proxy's pose costs: the springs' energy, and what it takes to restore the clearance at the
+/// contacts, twice as steep as they press (an exact penalty).
+double ToolProxy::cost(const RigidTransform& pose, const Vec6& wanted,
+                       double steepness) const noexcept
+{
+    double short_of = 0;
+    const Mat3 turn = pose.rotation * pose_.rotation.transpose();
+    for (const FeatureContact& contact : std::span(contacts_).first(contact_count_)) {
+        const Vec3 point = turn * (contact.tool_point - pose_.translation) + pose.translation;
+        const double gap = contact.normal.dot(point - contact.scene_point);
+        short_of += std::max(options_.clearance - gap, 0.0);
+    }
+    return 0.5 * wanted.squaredNorm() + steepness * short_of;
+}
+
+/// The part of the motion that lowers the cost the most: all of it but where the tool's arcs leave
+/// the contacts' planes by more than the motion gains. By the parabola through the cost at both ends
+/// with the slope at the beginning.
+double ToolProxy::useful_part(const ToolMotion& motion, const Vec6& wanted) const noexcept
+{
+    if (contact_count_ == 0) return 1;
+    double steepness = 0;
+    for (std::size_t k = 0; k < solution_.active_count; ++k)
+        steepness = std::max(steepness, 2 * solution_.pressure[k]);
+    const double length = options_.turning_length;
+    Vec6 step;
+    step.head<3>() = motion.twist.linear;
+    step.tail<3>() = length * motion.twist.angular;
+    const Twist left = twist_between(motion.to, device_);
+    Vec6 after;
+    after.head<3>() = left.linear;
+    after.tail<3>() = length * left.angular;
+    const double begin = cost(motion.from, wanted, steepness);
+    const double end = cost(motion.to, after, steepness);
+    const double slope = -wanted.dot(step) - (begin - 0.5 * wanted.squaredNorm());
+    const double bend = end - begin - slope;
+    if (!(slope < 0) || !(bend > 0)) return 1;
+    return std::clamp(-0.5 * slope / bend, least_part, 1.0);
+}
+
+void ToolProxy::hold(const ConstrainedMotion& motion) noexcept
+{
+    held_count_ = motion.active_count;
+    for (std::size_t k = 0; k < held_count_; ++k) {
+        const FeatureContact& contact = contacts_[motion.active[k]];
+        const NearPair& pair = pairs_[contact.pair];
+        held_[k] = {contact, pair.object, objects_[pair.object].index.parts().id(pair.scene_row),
+                    tool_.index.parts().id(pair.tool_row), motion.pressure[k]};
+    }
+}
+
+/// One move towards the device. Returns whether another one may come nearer.
+bool ToolProxy::move(const Twist& wanted) noexcept
+{
+    const double reach = tool_.features.reach();
+    Vec6 free;
+    free.head<3>() = wanted.linear;
+    free.tail<3>() = options_.turning_length * wanted.angular;
+    collect_near();
+    Twist twist = solve(free);
+    double length = twist.path_length(reach);
+    ToolMotion motion;
+    for (int round = 0;; ++round) {
+        const double space = room();
+        if (length > space) {
+            const double margin = base_margin_ + 1.5 * length;
+            if (list_margin_ < std::min(margin, most_margin_) && work_.lists < options_.max_lists) {
+                if (!list_pairs(margin)) {
+                    end_ = ToolEnd::overloaded;
+                    return false;
+                }
+                collect_near();
+                twist = solve(free);
+                length = twist.path_length(reach);
+                continue;
+            }
+            twist = twist.scaled(std::max(space, 0.0) / length);
+            length = twist.path_length(reach);
+        }
+        motion = {pose_, moved_by(pose_, twist, 1), twist};
+        if (!collect_hit(motion) || round == max_rounds) break;
+        twist = solve(free);
+        length = twist.path_length(reach);
+    }
+    double part = useful_part(motion, free);
+    // A contact that the constraints do not have yet is stopped at before it is too near.
+    const double clearance = options_.clearance;
+    Vec3 last = Vec3::Zero(); // direction of a plane
+    const GapLimits limits = {0.95 * clearance, 0.9 * clearance, 0.5 * clearance};
+    for (std::size_t i = 0; i < pair_count_ && part > 0; ++i) {
+        NearPair& pair = pairs_[i];
+        if (apart_until_[i] >= travelled_ + length + limits.wanted) continue;
+        if (stays_apart(pair, motion, limits.wanted) ||
+            find_plane(pair, motion, limits.wanted, last))
+            continue;
+        part = free_part(pair, motion, limits, part);
+    }
+    hold(solution_);
+    pose_ = part < 1 ? moved_by(pose_, twist, part) : motion.to;
+    path_[path_count_++] = pose_;
+    last_length_ += part * length;
+    travelled_ += part * length;
+    const double settled = settled_clearances * options_.clearance;
+    Vec6 left;
+    const Twist rest = twist_between(pose_, device_);
+    left.head<3>() = rest.linear;
+    left.tail<3>() = options_.turning_length * rest.angular;
+    const bool gains = std::abs(left.norm() - free.norm()) > gain_clearances * options_.clearance;
+    return !solution_.solved || (length > settled && (gains || part < least_part));
+}
+
+void ToolProxy::follow(const RigidTransform& device) noexcept
+{
+    work_ = {};
+    device_ = device;
+    end_ = ToolEnd::limited;
+    path_count_ = 0;
+    path_[path_count_++] = pose_;
+    const double expected = 2 * std::exchange(last_length_, 0.0);
+    const double reach = tool_.features.reach();
+    int still = 0; // moves in a row that came no nearer
+    while (work_.moves < options_.max_moves && still < 2) {
+        const Twist wanted = twist_between(pose_, device);
+        const double length = wanted.path_length(reach);
+        if (room() < std::min(length, options_.clearance)) {
+            if (work_.lists == options_.max_lists) return;
+            if (!list_pairs(base_margin_ + std::min(length, expected))) {
+                end_ = ToolEnd::overloaded;
+                return;
+            }
+        }
+        ++work_.moves;
+        const double before = last_length_;
+        const bool goes_on = move(wanted);
+        if (solution_.active_count == 0 && solution_.solved &&
+            last_length_ - before >= length * (1 - 1e-12)) {
+            pose_ = device;
+            path_[path_count_ - 1] = pose_;
+            end_ = ToolEnd::settled;
+            return;
+        }
+        if (!goes_on) {
+            if (end_ == ToolEnd::limited) end_ = ToolEnd::settled;
+            return;
+        }
+        still = last_length_ - before > settled_clearances * options_.clearance ? 0 : still + 1;
+    }
+}
+
+} // namespace proxima

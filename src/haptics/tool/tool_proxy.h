@@ -1,0 +1,141 @@
+// The pose of a rigid tool that follows a device's pose and enters nothing.
+//
+//     wanted     the twist from the proxy to the device
+//     list       pairs of triangles within a margin of each other: no other pair can meet before the
+//                tool has moved that far
+//     contacts   of the pairs that the motion would bring too near
+//     motion     the nearest to the wanted one that keeps all contacts apart (least_constraint.h)
+//     advance    as far as it was proven to pass nothing (triangle_separation.h)
+//
+// A tick repeats this until the proxy has come as near to the device as it can, or its moves are used
+// up: then the next tick goes on. The surfaces keep `clearance` apart, and half of it at the least.
+#pragma once
+
+#include "haptics/tool/contact_features.h"
+#include "haptics/tool/least_constraint.h"
+#include "haptics/tool/rigid_motion.h"
+#include "haptics/tool/tool_contacts.h"
+#include "haptics/tool/triangle_separation.h"
+#include "proxima/geometry.h"
+#include "proxima/intersect_meshes.h"
+#include "proxima/mesh_index.h"
+#include "proxima/tool_renderer.h"
+#include "query/distance/near_rows.h"
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+namespace proxima {
+
+/// A mesh of a scene or a tool, with all that contacts need of it.
+struct RigidBody {
+    MeshIndex index;
+    ContactFeatures features;
+    Enclosure inside;
+    RigidTransform pose = {}; ///< of the tool: unused
+
+    /// Errors: those of with_slabs, ContactFeatures::build and build_enclosure.
+    [[nodiscard]] static Result<RigidBody> build(const MeshIndex& index,
+                                                 const RigidTransform& pose);
+};
+
+struct ToolProxyOptions {
+    double clearance = 1e-5;   ///< in the model's unit
+    double turning_length = 1; ///< rotation vectors times this weigh as much as displacements
+    std::size_t max_moves = 4; ///< in a tick
+    std::size_t max_lists = 2; ///< lists of near pairs in a tick
+};
+
+/// A contact that holds the tool back.
+struct HeldContact {
+    FeatureContact contact;
+    std::uint32_t object = 0;
+    TriangleId scene_triangle{};
+    TriangleId tool_triangle{};
+    double pressure = 0; ///< part of the stretch along the normal, in the model's unit
+};
+
+/// Work of a tick.
+struct ToolWork {
+    std::size_t moves = 0;
+    std::size_t lists = 0;
+    std::size_t pairs = 0;    ///< in the last list
+    std::size_t contacts = 0; ///< most constraints of a move
+};
+
+/// One thread. noexcept and without allocation but for the constructor.
+class ToolProxy {
+public:
+    ToolProxy(RigidBody tool, std::vector<RigidBody> objects, const ToolProxyOptions& options);
+
+    /// Puts the tool there. Returns false, and leaves the proxy where it was, where it is within half
+    /// the clearance of an object or inside a closed one, or an object inside a closed tool.
+    [[nodiscard]] bool place(const RigidTransform& pose) noexcept;
+
+    /// Follows the device. \pre it was placed
+    void follow(const RigidTransform& device) noexcept;
+
+    [[nodiscard]] const RigidTransform& pose() const noexcept { return pose_; }
+    [[nodiscard]] ToolEnd end() const noexcept { return end_; }
+    [[nodiscard]] const ToolWork& work() const noexcept { return work_; }
+    [[nodiscard]] std::span<const HeldContact> contacts() const noexcept
+    {
+        return std::span(held_).first(held_count_);
+    }
+    [[nodiscard]] const RigidBody& tool() const noexcept { return tool_; }
+    [[nodiscard]] std::span<const RigidBody> objects() const noexcept { return objects_; }
+
+    /// Poses of the last tick, with twists between them that pass nothing.
+    [[nodiscard]] std::span<const RigidTransform> path() const noexcept
+    {
+        return std::span(path_).first(path_count_);
+    }
+
+    static constexpr std::size_t most_moves = 32;
+
+private:
+    [[nodiscard]] bool list_pairs(double margin) noexcept;
+    [[nodiscard]] bool list_pairs_once(double margin) noexcept;
+    [[nodiscard]] double room() const noexcept;
+    void add_contacts(std::uint32_t pair, double nearest, double farthest) noexcept;
+    void collect_near() noexcept;
+    [[nodiscard]] bool collect_hit(const ToolMotion& motion) noexcept;
+    [[nodiscard]] Twist solve(const Vec6& wanted) noexcept;
+    [[nodiscard]] bool move(const Twist& wanted) noexcept;
+    [[nodiscard]] double cost(const RigidTransform& pose, const Vec6& wanted,
+                              double steepness) const noexcept;
+    [[nodiscard]] double useful_part(const ToolMotion& motion, const Vec6& wanted) const noexcept;
+    void hold(const ConstrainedMotion& motion) noexcept;
+
+    RigidBody tool_;
+    std::vector<RigidBody> objects_;
+    ToolProxyOptions options_;
+    double base_margin_;
+    RigidTransform pose_;
+    RigidTransform device_;
+    RigidTransform list_pose_;
+    double list_margin_ = -1; ///< none yet
+    double most_margin_;      ///< of the next list, so that it is short
+    std::vector<NearRows> rows_;
+    std::vector<NearPair> pairs_;
+    std::size_t pair_count_ = 0;
+    double travelled_ = 0;            ///< by points of the tool since it was placed, at most
+    std::vector<double> apart_until_; ///< by pair: its triangles meet no sooner than that much
+                                      ///< was travelled
+    std::vector<FeatureContact> contacts_;
+    std::size_t contact_count_ = 0;
+    std::vector<MotionConstraint> constraints_;
+    std::array<HeldContact, 6> held_;
+    std::size_t held_count_ = 0;
+    std::array<RigidTransform, most_moves + 1> path_;
+    std::size_t path_count_ = 0;
+    ConstrainedMotion solution_;
+    double last_length_ = 0; ///< of the last tick's path
+    ToolEnd end_ = ToolEnd::settled;
+    ToolWork work_;
+};
+
+} // namespace proxima

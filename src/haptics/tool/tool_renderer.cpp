@@ -1,0 +1,308 @@
+#include "proxima/tool_renderer.h"
+
+#include "base/text.h"
+#include "haptics/device/check_numbers.h"
+#include "haptics/force/contact_force.h"
+#include "haptics/tool/tool_proxy.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+#include <vector>
+
+namespace proxima {
+
+namespace {
+
+/// Squares of larger coordinates overflow.
+constexpr double most_coordinate = 1e150;
+/// The clearance over the scene's size, at least: positions are rounded by 2^-52 of it.
+constexpr double least_clearance = 0x1p-30;
+
+/// A spring with a damper along its own stretch, which never makes it push.
+Vec3 damped_spring(double stiffness, double damping, const Vec3& stretch, const Vec3& rate) noexcept
+{
+    const double length = stretch.norm();
+    if (!(length > 0)) return Vec3::Zero();
+    const Vec3 along = stretch / length;
+    return std::max(stiffness * length + damping * rate.dot(along), 0.0) * along;
+}
+
+ToolRenderOptions limited(ToolRenderOptions options, const DeviceLimits& device,
+                          double half_reach_metres)
+{
+    options.force = proxima::limited(options.force, device);
+    if (options.torsional_stiffness == 0) {
+        options.torsional_stiffness =
+            options.force.stiffness * half_reach_metres * half_reach_metres;
+    }
+    return options;
+}
+
+ForceOptions torque_options(const ToolRenderOptions& options) noexcept
+{
+    ForceOptions torque = options.force;
+    torque.max_slew = options.max_torque_slew;
+    return torque;
+}
+
+ToolProxyOptions proxy_options(const ToolRenderOptions& options, const WorkspaceMap& map) noexcept
+{
+    const double length = std::sqrt(options.torsional_stiffness / options.force.stiffness);
+    return {.clearance = options.clearance * map.units_per_metre,
+            .turning_length = length * map.units_per_metre,
+            .max_moves = options.max_moves};
+}
+
+Status check_tool_settings(const WorkspaceMap& map, const DeviceLimits& device,
+                           const ToolRenderOptions& options)
+{
+    for (const NamedNumber number : {NamedNumber{"units_per_metre", map.units_per_metre},
+                                     NamedNumber{"max_force", device.max_force},
+                                     NamedNumber{"max_stiffness", device.max_stiffness},
+                                     NamedNumber{"stiffness", options.force.stiffness},
+                                     NamedNumber{"clearance", options.clearance}}) {
+        if (Status status = check_positive(number); !status) return status;
+    }
+    if (!map.center.allFinite()) {
+        return fail(ErrorCode::invalid_argument, "the center of the workspace must be finite",
+                    "center");
+    }
+    if (options.max_moves < 1 || options.max_moves > ToolProxy::most_moves) {
+        return fail(
+            ErrorCode::invalid_argument,
+            concat("max_moves must be 1 to ", ToolProxy::most_moves, ", not ", options.max_moves),
+            "max_moves");
+    }
+    return check_not_negative({{"max_damping", device.max_damping},
+                               {"max_torque", device.max_torque},
+                               {"damping", options.force.damping},
+                               {"max_slew", options.force.max_slew},
+                               {"start_seconds", options.force.start_seconds},
+                               {"loss_seconds", options.force.loss_seconds},
+                               {"torsional_stiffness", options.torsional_stiffness},
+                               {"torsional_damping", options.torsional_damping},
+                               {"max_torque_slew", options.max_torque_slew},
+                               {"max_jump", options.max_jump},
+                               {"max_turn", options.max_turn}});
+}
+
+/// Error where the scene is so large that the clearance is lost in rounding.
+Status check_clearance(const ToolProxyOptions& options, const RigidBody& tool,
+                       std::span<const RigidBody> objects)
+{
+    double size = tool.features.reach();
+    for (const RigidBody& object : objects) {
+        const Box& box = object.features.bounds();
+        size = std::max({size, object.pose.translation.norm(), box.lower.norm(), box.upper.norm()});
+    }
+    if (!(size < most_coordinate)) {
+        return fail(ErrorCode::invalid_mesh, concat("the meshes must lie within ", most_coordinate,
+                                                    " of the origin: scale or move them"));
+    }
+    if (options.clearance >= least_clearance * size) return {};
+    return fail(ErrorCode::invalid_argument,
+                concat("the clearance is ", options.clearance,
+                       " in the model's unit, and coordinates of ", size, " need at least ",
+                       least_clearance * size,
+                       ": give a larger one, or move the meshes to the origin"),
+                "clearance");
+}
+
+bool is_usable(const RigidTransform& pose) noexcept
+{
+    return (pose.translation.array().abs() <= most_coordinate).all() &&
+           (pose.rotation.transpose() * pose.rotation - Mat3::Identity()).norm() <
+               nearly_rigid_tolerance &&
+           pose.rotation.determinant() > 0;
+}
+
+} // namespace
+
+/// The implementation of ToolRenderer: proxy, springs and guards.
+class ToolSurfaceRenderer {
+public:
+    ToolSurfaceRenderer(RigidBody tool, std::vector<RigidBody> objects, const WorkspaceMap& map,
+                        const DeviceLimits& device, const ToolRenderOptions& options)
+        : map_(map), options_(options), gives_torque_(device.max_torque > 0),
+          proxy_(std::move(tool), std::move(objects), proxy_options(options, map)),
+          force_(options.force, device.max_force),
+          torque_(torque_options(options), gives_torque_ ? device.max_torque : 1)
+    {}
+
+    [[nodiscard]] const ToolRenderOptions& options() const noexcept { return options_; }
+    [[nodiscard]] const WorkspaceMap& map() const noexcept { return map_; }
+    [[nodiscard]] const ToolTick& last() const noexcept { return tick_; }
+    [[nodiscard]] std::span<const RigidTransform> path() const noexcept { return proxy_.path(); }
+
+    void reset() noexcept
+    {
+        tick_ = {};
+        has_device_ = false;
+        is_placed_ = false;
+        force_.restart();
+        torque_.restart();
+    }
+
+    const ToolTick& tick(const DeviceState& state, double seconds) noexcept
+    {
+        tick_.condition = state.condition;
+        accept(state);
+        if (!has_device_) {
+            tick_.is_placed = false;
+            return tick_;
+        }
+        const RigidTransform device = {tick_.device.rotation,
+                                       map_.to_model(tick_.device.translation)};
+        const bool was_placed = std::exchange(is_placed_, is_placed_ || proxy_.place(device));
+        if (is_placed_) proxy_.follow(device);
+        write_proxy(device);
+        pull(device, seconds, was_placed);
+        return tick_;
+    }
+
+private:
+    /// Takes over the device's pose, or keeps the last one.
+    void accept(const DeviceState& state) noexcept
+    {
+        tick_.fault = InputFault::none;
+        RigidTransform pose = state.pose;
+        if (!is_usable({pose.rotation, map_.to_model(pose.translation)})) {
+            tick_.fault = InputFault::not_finite;
+            return;
+        }
+        pose.rotation = Eigen::Quaterniond(pose.rotation).normalized().toRotationMatrix();
+        if (has_device_) {
+            const Twist step = twist_between(tick_.device, pose);
+            if (!(step.linear.norm() <= options_.max_jump) ||
+                !(step.angular.norm() <= options_.max_turn)) {
+                tick_.fault = InputFault::jumped;
+                force_.restart();
+                torque_.restart();
+            }
+        }
+        tick_.device = pose;
+        has_device_ = true;
+    }
+
+    void write_proxy(const RigidTransform& device) noexcept
+    {
+        tick_.is_placed = is_placed_;
+        tick_.proxy = is_placed_ ? proxy_.pose() : device;
+        tick_.end = proxy_.end();
+        tick_.moves = proxy_.work().moves;
+        tick_.near_triangles = proxy_.work().pairs;
+        tick_.contact_count = proxy_.contacts().size();
+        const double newtons = options_.force.stiffness / map_.units_per_metre;
+        for (std::size_t i = 0; i < tick_.contact_count; ++i) {
+            const HeldContact& held = proxy_.contacts()[i];
+            tick_.contacts[i] = {
+                held.contact.scene_point, held.contact.normal, held.object,
+                held.scene_triangle,      held.tool_triangle,  newtons * held.pressure};
+        }
+    }
+
+    /// The springs between device and proxy, and their guards.
+    void pull(const RigidTransform& device, double seconds, bool was_placed) noexcept
+    {
+        Twist stretch = twist_between(device, tick_.proxy);
+        stretch.linear /= map_.units_per_metre;
+        const bool has_rate = was_placed && tick_.fault == InputFault::none;
+        const Vec3 rate =
+            has_rate ? Vec3((stretch.linear - stretch_.linear) / seconds) : Vec3(Vec3::Zero());
+        const Vec3 turn_rate =
+            has_rate ? Vec3((stretch.angular - stretch_.angular) / seconds) : Vec3(Vec3::Zero());
+        stretch_ = stretch;
+        tick_.spring_force =
+            damped_spring(options_.force.stiffness, options_.force.damping, stretch.linear, rate);
+        tick_.spring_torque = damped_spring(options_.torsional_stiffness,
+                                            options_.torsional_damping, stretch.angular, turn_rate);
+        const bool available =
+            tick_.fault != InputFault::not_finite && tick_.condition == InputCondition::well;
+        const Patch patch = available ? Patch::available : Patch::lost;
+        // The proxy may still be on its way after a jump: the force rises from the next tick on.
+        const bool jumped = tick_.fault == InputFault::jumped;
+        const Vec3 none = Vec3::Zero();
+        tick_.force = force_.pass(jumped ? none : tick_.spring_force, seconds, patch);
+        tick_.torque =
+            torque_.pass(jumped || !gives_torque_ ? none : tick_.spring_torque, seconds, patch);
+        tick_.force_scale = force_.ramp();
+    }
+
+    WorkspaceMap map_;
+    ToolRenderOptions options_;
+    bool gives_torque_;
+    ToolProxy proxy_;
+    ForceGuard force_;
+    ForceGuard torque_;
+    ToolTick tick_;
+    Twist stretch_; ///< of the last tick, in metres
+    bool has_device_ = false;
+    bool is_placed_ = false;
+};
+
+ToolRenderer::ToolRenderer(std::unique_ptr<ToolSurfaceRenderer> renderer) noexcept
+    : renderer_(std::move(renderer))
+{}
+
+ToolRenderer::ToolRenderer(ToolRenderer&& other) noexcept = default;
+ToolRenderer& ToolRenderer::operator=(ToolRenderer&& other) noexcept = default;
+ToolRenderer::~ToolRenderer() = default;
+
+const ToolRenderOptions& ToolRenderer::options() const noexcept
+{
+    return renderer_->options();
+}
+
+const WorkspaceMap& ToolRenderer::map() const noexcept
+{
+    return renderer_->map();
+}
+
+const ToolTick& ToolRenderer::tick(const DeviceState& state, double seconds) noexcept
+{
+    return renderer_->tick(state, seconds);
+}
+
+void ToolRenderer::reset() noexcept
+{
+    renderer_->reset();
+}
+
+const ToolTick& ToolRenderer::last() const noexcept
+{
+    return renderer_->last();
+}
+
+std::span<const RigidTransform> ToolRenderer::path() const noexcept
+{
+    return renderer_->path();
+}
+
+Result<ToolRenderer> make_tool_renderer(const MeshIndex& tool, std::span<const ToolObject> objects,
+                                        const WorkspaceMap& map, const DeviceLimits& device,
+                                        const ToolRenderOptions& options)
+{
+    if (Status status = check_tool_settings(map, device, options); !status)
+        return tl::unexpected(status.error());
+    auto tool_body = RigidBody::build(tool, {});
+    if (!tool_body) return tl::unexpected(tool_body.error());
+    std::vector<RigidBody> bodies;
+    for (const ToolObject& object : objects) {
+        if (!is_usable(object.pose)) {
+            return fail(ErrorCode::invalid_argument, "the pose of an object must be rigid",
+                        "objects");
+        }
+        auto body = RigidBody::build(object.index, object.pose);
+        if (!body) return tl::unexpected(body.error());
+        bodies.push_back(std::move(*body));
+    }
+    const double half_reach = 0.5 * tool_body->features.reach() / map.units_per_metre;
+    const ToolRenderOptions used = limited(options, device, half_reach);
+    if (Status status = check_clearance(proxy_options(used, map), *tool_body, bodies); !status)
+        return tl::unexpected(status.error());
+    return ToolRenderer(std::make_unique<ToolSurfaceRenderer>(
+        std::move(*tool_body), std::move(bodies), map, device, used));
+}
+
+} // namespace proxima

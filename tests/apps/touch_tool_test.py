@@ -1,0 +1,39 @@
+"""proxima touch --tool: sessions of a simulated hand with a rigid tool."""
+from proxima_program import ProgramTest
+
+KEYS = ["model", "triangles", "tool", "tool_triangles", "device", "ticks", "touching_ticks", "entered_ticks", "unplaced_ticks",
+        "limited_ticks", "overloaded_ticks", "max_near_pairs", "max_force", "max_torque", "max_spring_torque", "max_stretch",
+        "clock", "processor", "missed_deadlines"]
+
+
+class Tools(ProgramTest):
+    session = ("--tool", "cube", "--tool-scale", 0.1, "--device", "hand:press", "--turn", 20, "--seconds", 1, "--free-running")
+
+    def test_it_touches_and_enters_nothing(self):
+        for torque in (0, 0.1):
+            result = self.json_of("touch", "torus:24x12", *self.session, "--max-torque", torque)
+            self.assertEqual(list(result), KEYS)
+            self.assertEqual((result["triangles"], result["tool_triangles"], result["ticks"]), (576, 12, 1000))
+            self.assertEqual((result["entered_ticks"], result["overloaded_ticks"]), (0, 0))
+            self.assertGreater(result["touching_ticks"], 100)
+            self.assertTrue(0.1 < result["max_force"] <= 3.3)
+            self.assertGreater(result["max_spring_torque"], 0)
+            self.assertEqual(result["max_torque"] > 0, torque > 0)
+            self.assertLessEqual(result["max_torque"], torque)
+
+    def test_the_table_of_ticks(self):
+        table = self.folder / "ticks.csv"
+        result = self.json_of("touch", "torus:24x12", *self.session, "--max-torque", 1, "--ticks", table)
+        header, *rows = table.read_text().splitlines()
+        rows = [dict(zip(header.split(","), map(float, row.split(",")))) for row in rows]
+        self.assertEqual(len(rows), 1000)
+        for name, key in (("force", "max_force"), ("torque", "max_torque")):
+            largest = max(sum(row[f"{name}_{axis}"] ** 2 for axis in "xyz") ** 0.5 for row in rows)
+            self.assertAlmostEqual(largest, result[key], places=6)
+        self.assertEqual(sum(row["contacts"] > 0 for row in rows), result["touching_ticks"])
+
+    def test_what_does_not_go_together(self):
+        self.refuse("touch", "cube", *self.session, "--radius", 0.001, says=("--radius", "--tool"))
+        self.refuse("touch", "cube", "--device", "hand:press", "--turn", 3, says=("--turn", "--tool"))
+        self.refuse("touch", "cube", "--tool", "cube", "--device", "replay:x.pxt", says=("recordings", "--tool"))
+        self.refuse("touch", "cube", "--tool", "missing.obj", "--device", "hand:press", says=("missing.obj",))

@@ -1,0 +1,227 @@
+// The guards of a tool's renderer, devices without torques, tools that begin inside, energy.
+#include "counted_allocations.h"
+#include "haptics/tool/rigid_motion.h"
+#include "haptics/tool/tool_bench.h"
+#include "proxima/sample_meshes.h"
+#include "proxima/tool_renderer.h"
+
+#include <cmath>
+#include <gtest/gtest.h>
+#include <limits>
+#include <numbers>
+#include <random>
+#include <string>
+
+namespace proxima::testing {
+namespace {
+
+constexpr double half = 0.01;
+
+MeshIndex ball_index(double radius)
+{
+    return index_of(
+        moved(*sample_mesh("icosphere:3"), [&](const Vec3& p) { return Vec3(radius * p); }));
+}
+
+ToolRenderer renderer_for(const DeviceLimits& device, const ToolRenderOptions& options = {})
+{
+    const ToolObject table = {index_of(box_mesh({0.1, 0.1, 0.05}, {0, 0, -0.05})), {}};
+    return make_tool_renderer(index_of(box_mesh(Vec3::Constant(half))), std::span(&table, 1),
+                              WorkspaceMap{}, device, options)
+        .value();
+}
+
+DeviceState state_at(const RigidTransform& pose)
+{
+    DeviceState state;
+    state.pose = pose;
+    return state;
+}
+
+TEST(ToolRenderer, DevicesWithoutTorquesGetTheForceAlone)
+{
+    DeviceLimits device = strong_device();
+    for (const double torque : {0.0, 0.2}) {
+        device.max_torque = torque;
+        ToolRenderer renderer = renderer_for(device, plain_springs());
+        for (int i = 0; i < 40; ++i) (void)renderer.tick(state_at(pose_at({0, 0, 0.011})), 1e-3);
+        for (int i = 0; i < 40; ++i)
+            (void)renderer.tick(state_at(pose_at({0, 0, 0.006}, {0, 0.3, 0})), 1e-3);
+        const ToolTick& tick = renderer.last();
+        EXPECT_GT(tick.force.z(), 1);
+        EXPECT_GT(tick.spring_torque.norm(), 0.01);
+        EXPECT_EQ(tick.torque.isZero(0), torque == 0);
+    }
+}
+
+TEST(ToolRenderer, ForceAndTorqueStayWithinTheirLimitsWhateverArrives)
+{
+    const DeviceLimits limits = {.name = "small",
+                                 .max_force = 3.3,
+                                 .max_stiffness = 700,
+                                 .max_damping = 5,
+                                 .workspace_radius = 0.1,
+                                 .max_torque = 0.05};
+    ToolRenderOptions options;
+    options.max_torque_slew = 5;
+    options.torsional_damping = 1e-3;
+    ToolRenderer renderer = renderer_for(limits, options);
+    const double nan = std::numeric_limits<double>::quiet_NaN();
+    std::mt19937 random(7);
+    const auto unit = [&] { return std::uniform_real_distribution<double>(-1, 1)(random); };
+    Vec3 force = Vec3::Zero();
+    Vec3 torque = Vec3::Zero();
+    double most_torque = 0;
+    for (int i = 0; i < 3000; ++i) {
+        DeviceState state = state_at(pose_at(0.02 * Vec3(unit(), unit(), unit() + 0.7),
+                                             Vec3(0.4 * unit(), 0.4 * unit(), unit())));
+        switch (random() % 40) {
+        case 0:
+            state.pose.translation.x() = nan;
+            break;
+        case 1:
+            state.pose.rotation(1, 1) = nan;
+            break;
+        case 2:
+            state.pose.rotation *= 2;
+            break;
+        case 3:
+            state.pose.translation.setConstant(1e200);
+            break;
+        case 4:
+            state.pose.translation.setConstant(1e3);
+            break;
+        case 5:
+            state.condition = InputCondition::silent;
+            break;
+        default:
+            break;
+        }
+        const ToolTick& tick = renderer.tick(state, 1e-3);
+        ASSERT_TRUE(tick.force.allFinite() && tick.torque.allFinite()) << i;
+        ASSERT_TRUE(tick.proxy.translation.allFinite() && tick.proxy.rotation.allFinite()) << i;
+        ASSERT_LE(tick.force.norm(), limits.max_force);
+        ASSERT_LE(tick.torque.norm(), limits.max_torque);
+        // A jump begins anew from zero; otherwise both change as fast as they may.
+        if (tick.fault != InputFault::jumped) {
+            ASSERT_LE((tick.force - force).norm(), 2.0 + 1e-12);
+            ASSERT_LE((tick.torque - torque).norm(), 5e-3 + 1e-12);
+        }
+        force = tick.force;
+        torque = tick.torque;
+        most_torque = std::max(most_torque, torque.norm());
+    }
+    EXPECT_GT(most_torque, 1e-3);
+}
+
+TEST(ToolRenderer, AToolThatBeginsInsideFeelsNothingUntilItIsOut)
+{
+    // Across the surface, and wholly inside of it.
+    for (const double begin : {0.001, -0.05}) {
+        ToolRenderer renderer = renderer_for(strong_device(), plain_springs());
+        bool was_out = false;
+        for (double z = begin; z < 0.02; z += 1e-4) {
+            const ToolTick& tick = renderer.tick(state_at(pose_at({0, 0, z})), 1e-3);
+            was_out = was_out || tick.is_placed;
+            // Half the clearance of 1e-5 m above the top is out.
+            EXPECT_EQ(tick.is_placed, z - half > 0.5e-5) << z;
+            EXPECT_TRUE(tick.is_placed || (tick.force.isZero(0) && tick.torque.isZero(0)));
+        }
+        EXPECT_TRUE(was_out);
+        (void)renderer.tick(state_at(pose_at({0, 0, 0.009})), 1e-3);
+        EXPECT_GT(renderer.tick(state_at(pose_at({0, 0, 0.009})), 1e-3).force.z(), 0.1);
+    }
+}
+
+/// Led through a closed path in contact, the springs give back what they took: nothing is dissipated
+/// without friction, and nothing is made.
+TEST(ToolRenderer, ClosedPathsMakeNoEnergy)
+{
+    const ToolObject object = {ball_index(0.03), {}};
+    ToolRenderOptions options = plain_springs();
+    options.max_moves = 32;
+    auto renderer =
+        make_tool_renderer(index_of(box_mesh({0.01, 0.006, 0.004})), std::span(&object, 1),
+                           WorkspaceMap{}, strong_device(), options)
+            .value();
+    // From above, round a small circle 2 mm deep while tilting, and up again.
+    const int steps = 1500;
+    const auto pose = [&](int step) {
+        const double part = step / static_cast<double>(steps);
+        const double down = 0.5 * (1 - std::cos(2 * std::numbers::pi * part));
+        const double angle = 4 * std::numbers::pi * part;
+        return pose_at(
+            {0.004 * std::sin(angle), 0.004 * (1 - std::cos(angle)), 0.036 - 0.004 * down},
+            Vec3(0.1 * std::sin(angle), 0.15 * std::sin(2 * angle), 0));
+    };
+    double work = 0; // of the springs on the device
+    double most = 0;
+    ToolTick before = renderer.tick(state_at(pose(0)), 1e-3);
+    ASSERT_EQ(before.contact_count, 0U);
+    int touching = 0;
+    for (int step = 1; step <= steps; ++step) {
+        const ToolTick tick = renderer.tick(state_at(pose(step)), 1e-3);
+        const Twist moved = twist_between(before.device, tick.device);
+        work += 0.5 * (before.spring_force + tick.spring_force).dot(moved.linear) +
+                0.5 * (before.spring_torque + tick.spring_torque).dot(moved.angular);
+        most = std::max(most, 0.5 * 500 * std::pow(tick.spring_force.norm() / 500, 2));
+        touching += tick.contact_count > 0 ? 1 : 0;
+        before = tick;
+    }
+    EXPECT_GT(touching, 500);
+    std::cout << "work of a closed path: " << 1e6 * work << " uJ of at most " << 1e6 * most
+              << " uJ stored\n";
+    // A proxy that jumps from one rest to another loses energy; it must not make any.
+    EXPECT_LT(work, 1e-3 * most);
+    EXPECT_GT(work, -0.1 * most);
+}
+
+TEST(ToolRenderer, TicksAllocateNothing)
+{
+    ToolBench bench(box_mesh(Vec3::Constant(half)),
+                    {{ball_index(0.03), {}}, {ball_index(0.02), pose_at({0.05, 0, 0})}});
+    bench.start(pose_at({0, 0, 0.06}));
+    const std::size_t before = allocation_count();
+    (void)bench.lead(pose_at({0.02, 0, 0.02}, {0.5, 0.3, 0.1}), 100, 10);
+    EXPECT_EQ(allocation_count(), before);
+    EXPECT_GT(bench.renderer().last().contact_count, 0U);
+}
+
+TEST(ToolRenderer, SeveralObjectsAreTouchedWhereTheyStand)
+{
+    // Two slabs that lean on each other make a groove of 90 degrees for the box on its edge.
+    const TriangleMesh slab = box_mesh({0.05, 0.05, 0.005}, {0, 0, -0.005});
+    const double turn = std::numbers::pi / 4;
+    ToolBench bench(box_mesh(Vec3::Constant(half)),
+                    {{index_of(slab), pose_at(Vec3(-0.02, 0, 0.02), {0, turn, 0})},
+                     {index_of(slab), pose_at(Vec3(0.02, 0, 0.02), {0, -turn, 0})}});
+    bench.start(pose_at({0, 0, 0.06}, {0, turn, 0}));
+    const double rest = half * std::numbers::sqrt2;
+    const ToolTick& tick = bench.lead(pose_at({0, 0, rest - 0.003}, {0, turn, 0}), 200);
+    EXPECT_NEAR(tick.force.z(), 500 * (0.003 + 1e-5 * std::numbers::sqrt2), 1e-4);
+    double on[2] = {0, 0};
+    for (std::size_t i = 0; i < tick.contact_count; ++i)
+        on[tick.contacts[i].object] += tick.contacts[i].force;
+    EXPECT_NEAR(on[0], tick.force.z() / std::numbers::sqrt2, 1e-3);
+    EXPECT_NEAR(on[1], tick.force.z() / std::numbers::sqrt2, 1e-3);
+}
+
+TEST(ToolRenderer, WrongOptionsAreNamed)
+{
+    const MeshIndex tool = index_of(box_mesh(Vec3::Constant(half)));
+    const ToolObject object = {tool, pose_at({0, 0, 1})};
+    const auto error_of = [&](const ToolRenderOptions& options, const ToolObject& touched) {
+        const auto made = make_tool_renderer(tool, std::span(&touched, 1), WorkspaceMap{},
+                                             strong_device(), options);
+        return made ? std::string("none") : made.error().where;
+    };
+    EXPECT_EQ(error_of({}, object), "none");
+    EXPECT_EQ(error_of({.torsional_stiffness = -1}, object), "torsional_stiffness");
+    EXPECT_EQ(error_of({.clearance = 0}, object), "clearance");
+    EXPECT_EQ(error_of({.clearance = 1e-12}, object), "clearance"); // lost in rounding
+    EXPECT_EQ(error_of({.max_moves = 0}, object), "max_moves");
+    EXPECT_EQ(error_of({}, {tool, {2 * Mat3::Identity(), Vec3::Zero()}}), "objects");
+}
+
+} // namespace
+} // namespace proxima::testing
