@@ -133,9 +133,9 @@ private:
             : courses(told_courses), materials(told_materials)
         {}
 
+        ShapeSnapshot shapes;
         Snapshot<ObjectCourse>& courses;     ///< the input's
         Snapshot<MaterialCourse>& materials; ///< the input's
-        ShapeSnapshot shapes;
         ObjectTrajectory trajectory;
         ObjectCache cache;
         FreeBall free_ball;

@@ -13,6 +13,7 @@
 #include <algorithm>
 #include <array>
 #include <atomic>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 
@@ -71,7 +72,8 @@ public:
     double advance(SceneClock& scene, double seconds) noexcept
     {
         constexpr double longest_tick = 1e6; // no sum of ticks overflows before
-        const auto tick = static_cast<SceneTime>(std::min(seconds, longest_tick) * 1e9 + 0.5);
+        const auto tick =
+            static_cast<SceneTime>(std::llround(std::min(seconds, longest_tick) * 1e9));
         const SceneTime allowed = started_ ? std::max(most_behind, most_ticks_behind * tick) : 0;
         started_ = true;
         const SceneTime before = now_;

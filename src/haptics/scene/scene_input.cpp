@@ -139,9 +139,10 @@ Status SceneInput::exchange(ObjectId id, std::shared_ptr<const ContactBody> body
 {
     PROXIMA_CHECK(body != nullptr);
     Object& object = this->object(id);
-    if (!contains(body->bounds(), object.course.goal()))
+    if (!contains(body->bounds(), object.course.goal())) {
         return fail(ErrorCode::invalid_argument,
                     "the new body would not be within the scene's bounds");
+    }
     SceneShape next;
     next.body = std::move(body);
     next.exchanges = object.shape.exchanges + 1;

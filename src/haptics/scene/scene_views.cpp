@@ -20,7 +20,7 @@ SceneViews::SceneViews(const Box& bounds) : input_(bounds)
 Result<ObjectId> SceneViews::add(std::shared_ptr<const ContactBody> body,
                                  const RigidTransform& pose)
 {
-    const auto id = input_.add(std::move(body), pose);
+    auto id = input_.add(std::move(body), pose);
     if (!id) return id;
     const std::lock_guard lock(mutex_);
     for (const auto& view : views_) {
