@@ -8,7 +8,7 @@
 //     scene.exchange(cup, *other_body);                             // any time, by another thread
 //     auto bent = refit_touch_body(*body, positions);               // any thread, any time
 //     scene.deform(cup, *bent, 1.0 / 60);                           // any time, by another thread
-//     auto channel = open_engine_channel("udp:4712");               // or by an engine in another program
+//     auto channel = open_engine_channel("udp:4712");               // moved by another program
 //
 //     application ──motions, bodies──▶ snapshots ──▶ servo loop      neither waits for the other
 //
@@ -149,8 +149,8 @@ struct SceneTick {
 };
 
 /// Up to 64 objects. add() before the first tick; move(), exchange(), deform() and set_material() by
-/// one thread for each object, at any time; everything else by the servo thread. A value that moves, while no renderer
-/// has it.
+/// one thread for each object, at any time; everything else by the servo thread. A value that moves,
+/// while no renderer has it.
 class TouchScene {
 public:
     /// Objects stay within the bounds, whose size decides how exact positions are: a point proxy
@@ -229,8 +229,8 @@ struct EngineReport {
     std::uint64_t unsent = 0;          ///< touch packets that the system refused
 };
 
-/// A channel to an engine in another program, which owns the world: Unity, Unreal, Godot, ROS. It sends
-/// where objects are and what they are made of, and gets what is touched, in every tick.
+/// A channel to an engine in another program, which owns the world: Unity, Unreal, Godot, ROS. It
+/// sends where objects are and what they are made of, and gets what is touched, in every tick.
 ///
 ///     engine  ──poses, velocities, materials──▶    channel  ──▶ TouchScene     60 to 100 times a second
 ///     engine  ◀──proxy, anchor, force, contacts──  channel  ◀── HapticRenderer  1,000 times a second
@@ -242,8 +242,8 @@ struct EngineReport {
 ///                 device.write(input->command(*renderer));
 ///                 channel->send(*renderer, state);
 ///
-/// docs/engine_channel.md describes the packets byte by byte; engine_client.py and engine_client.c of the
-/// examples are the engine's side. The servo thread's. A value that moves.
+/// docs/engine_channel.md describes the packets byte by byte; engine_client.py and engine_client.c of
+/// the examples are the engine's side. The servo thread's. A value that moves.
 class EngineChannel {
 public:
     EngineChannel(EngineChannel&& other) noexcept;
