@@ -9,7 +9,7 @@
 //     scene.exchange(cup, *other_body);                             // any time, by another thread
 //     auto bent = refit_touch_body(*body, positions);               // any thread, any time
 //     scene.deform(cup, *bent, 1.0 / 60);                           // any time, by another thread
-//     auto channel = open_engine_channel("udp:4712");               // or by an engine in another program
+//     auto channel = open_engine_channel("udp:4712");               // moved by another program
 //
 //     application ──motions, bodies──▶ snapshots ──▶ servo loops     none waits for another
 //
@@ -216,10 +216,10 @@ struct SceneTick {
     double seconds = 0;     ///< by which objects moved on: more than the tick's after lost ticks
 };
 
-/// Up to 64 objects. add() before the first tick; move(), exchange(), deform() and set_material()
-/// by one thread for each object, at any time; advance(), pose() and velocity() by the thread of the renderer that was
-/// made first; after its end the next that is made takes its place. Renderers are made and destroyed
-/// by any thread at any time. A value that moves, while no renderer has it.
+/// Up to 64 objects. add() before the first tick; move(), exchange(), deform() and set_material() by
+/// one thread for each object, at any time; advance(), pose() and velocity() by the thread of the
+/// renderer that was made first; after its end the next that is made takes its place. Renderers are
+/// made and destroyed by any thread at any time. A value that moves, while no renderer has it.
 class TouchScene {
 public:
     /// Objects stay within the bounds, whose size decides how exact positions are: a point proxy
@@ -298,8 +298,8 @@ struct EngineReport {
     std::uint64_t unsent = 0;          ///< touch packets that the system refused
 };
 
-/// A channel to an engine in another program, which owns the world: Unity, Unreal, Godot, ROS. It sends
-/// where objects are and what they are made of, and gets what is touched, in every tick.
+/// A channel to an engine in another program, which owns the world: Unity, Unreal, Godot, ROS. It
+/// sends where objects are and what they are made of, and gets what is touched, in every tick.
 ///
 ///     engine  ──poses, velocities, materials──▶    channel  ──▶ TouchScene     60 to 100 times a second
 ///     engine  ◀──proxy, anchor, force, contacts──  channel  ◀── HapticRenderer  1,000 times a second
@@ -311,8 +311,8 @@ struct EngineReport {
 ///                 device.write(input->command(*renderer));
 ///                 channel->send(*renderer, state);
 ///
-/// docs/engine_channel.md describes the packets byte by byte; engine_client.py and engine_client.c of the
-/// examples are the engine's side. The servo thread's. A value that moves.
+/// docs/engine_channel.md describes the packets byte by byte; engine_client.py and engine_client.c of
+/// the examples are the engine's side. The servo thread's. A value that moves.
 class EngineChannel {
 public:
     EngineChannel(EngineChannel&& other) noexcept;

@@ -16,24 +16,25 @@ namespace {
 /// Guarded memory, as a signal handler can read it.
 struct GuardedRange {
     std::atomic<bool> taken{false};
-    std::atomic<std::uintptr_t> begin{0}; ///< 0: none
+    std::atomic<std::byte*> begin{nullptr}; ///< null: none
     std::atomic<std::size_t> size{0};
     std::atomic<bool> replaced{false};
 };
-static_assert(std::atomic<std::uintptr_t>::is_always_lock_free);
+static_assert(std::atomic<std::byte*>::is_always_lock_free);
 
 std::array<GuardedRange, 16> guarded_ranges;
 struct sigaction earlier_handler {};
 
 /// Calls only mmap, which is a system call and nothing more.
-bool replace_memory_at(std::uintptr_t address) noexcept
+bool replace_memory_at(const void* address) noexcept
 {
+    const auto at = reinterpret_cast<std::uintptr_t>(address);
     for (GuardedRange& range : guarded_ranges) {
-        const std::uintptr_t begin = range.begin.load();
-        if (begin == 0 || address < begin || address - begin >= range.size.load()) continue;
-        void* const memory =
-            mmap(reinterpret_cast<void*>(begin), range.size.load(), PROT_READ | PROT_WRITE,
-                 MAP_PRIVATE | MAP_ANONYMOUS | MAP_FIXED, -1, 0);
+        std::byte* const begin = range.begin.load();
+        const auto first = reinterpret_cast<std::uintptr_t>(begin);
+        if (begin == nullptr || at < first || at - first >= range.size.load()) continue;
+        void* const memory = mmap(begin, range.size.load(), PROT_READ | PROT_WRITE,
+                                  MAP_PRIVATE | MAP_ANONYMOUS | MAP_FIXED, -1, 0);
         range.replaced.store(true);
         return memory != MAP_FAILED;
     }
@@ -43,7 +44,7 @@ bool replace_memory_at(std::uintptr_t address) noexcept
 void on_bus_error(int number, siginfo_t* info, void* context)
 {
     const int error = errno;
-    if (replace_memory_at(reinterpret_cast<std::uintptr_t>(info->si_addr))) {
+    if (replace_memory_at(info->si_addr)) {
         errno = error;
     } else if ((earlier_handler.sa_flags & SA_SIGINFO) != 0) {
         earlier_handler.sa_sigaction(number, info, context);
@@ -76,7 +77,7 @@ TruncationGuard::TruncationGuard(std::span<std::byte> mapped)
         if (range.taken.exchange(true)) continue;
         range.size.store(mapped.size());
         range.replaced.store(false);
-        range.begin.store(reinterpret_cast<std::uintptr_t>(mapped.data()));
+        range.begin.store(mapped.data());
         place_ = static_cast<int>(i);
     }
 }
@@ -95,7 +96,7 @@ TruncationGuard::~TruncationGuard()
 {
     if (place_ < 0) return;
     GuardedRange& range = guarded_ranges[static_cast<std::size_t>(place_)];
-    range.begin.store(0);
+    range.begin.store(nullptr);
     range.taken.store(false);
 }
 
