@@ -1,4 +1,6 @@
 """proxima touch --tool: sessions of a simulated hand with a rigid tool."""
+import unittest
+
 from proxima_program import ProgramTest
 
 KEYS = ["model", "triangles", "tool", "tool_triangles", "device", "ticks", "touching_ticks", "entered_ticks", "unplaced_ticks",
@@ -37,3 +39,7 @@ class Tools(ProgramTest):
         self.refuse("touch", "cube", "--device", "hand:press", "--turn", 3, says=("--turn", "--tool"))
         self.refuse("touch", "cube", "--tool", "cube", "--device", "replay:x.pxt", says=("recordings", "--tool"))
         self.refuse("touch", "cube", "--tool", "missing.obj", "--device", "hand:press", says=("missing.obj",))
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -18,8 +18,8 @@ namespace {
 /// Against all pairs: every near one is there once, and none that is farther but for rounding.
 TEST(NearRows, AreAllPairsWithinTheDistance)
 {
-    const TriangleMesh first = *sample_mesh("torus:24x12");
-    const TriangleMesh second = *sample_mesh("spaceship:400");
+    const TriangleMesh first = *sample_mesh("torus:16x8");
+    const TriangleMesh second = *sample_mesh("sphere:12x12");
     const MeshIndex a = build_mesh_index(first).value();
     const MeshIndex b = with_slabs(build_mesh_index(second).value()).value();
     std::size_t found = 0;
