@@ -11,6 +11,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numbers>
 #include <string>
 
 namespace proxima {
@@ -80,8 +81,8 @@ TEST(WallSwing, HardestSettingsOfEveryDeviceEndBelowAMillimetre)
 {
     int diverging = 0;
     for_each_setting([&](SwingSetting setting, const Stand& stand) {
-        const bool hardest = setting.stiffness == setting.device.max_stiffness &&
-                             setting.hand.device_damping < 0.5 && setting.hand.delay_ticks != 2;
+        const bool hardest =
+            setting.stiffness == setting.device.max_stiffness && setting.hand.device_damping < 0.5;
         if (!hardest) return;
         const SwingResult guarded = swing(wall_of(stand), setting, 12, 2);
         EXPECT_LT(guarded.amplitude, 1e-3) << describe(setting, stand);
@@ -198,6 +199,28 @@ TEST(SwingDetector, ReportsNoSwingThatFades)
                 return !wrong;
             });
         }
+    }
+}
+
+TEST(SwingDetector, CountsTheTimeInContactOfACycle)
+{
+    // Ten times a second, below z = 0 for half of the time and below -1 mm for a third of it.
+    constexpr double depth = 0.002;
+    constexpr double limit = 500 * depth / 2;
+    for (const double most_force : {1e9, limit}) {
+        SwingDetector detector;
+        int reports = 0;
+        for (int tick = 0; tick < 1000; ++tick) {
+            const double size = depth * (1 + 0.1 * tick / 1000);
+            const double z = size * std::sin(2 * std::numbers::pi * 10 * 1e-3 * tick);
+            const Vec3 force(0, 0, 500 * std::max(-z, 0.0));
+            const SwingTick seen = detector.watch(Vec3(0, 0, z), force, 1e-3, most_force);
+            if (!seen.reported || tick < 300) continue;
+            ++reports;
+            const double within = std::asin(limit / (500 * size)) / std::numbers::pi;
+            EXPECT_NEAR(seen.contact, 0.1 * (most_force > limit ? 0.5 : within), 0.003) << tick;
+        }
+        EXPECT_GT(reports, 5);
     }
 }
 
