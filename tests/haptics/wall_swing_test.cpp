@@ -1,5 +1,6 @@
 // What the passivity guard does to walls that are too stiff for a device, through the whole
 // renderer, and that it leaves the others alone.
+#include "haptics/theory_wall.h"
 #include "haptics/wall_swing.h"
 
 #include "haptics/force/energy_account.h"
@@ -11,6 +12,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdio>
 #include <numbers>
 #include <string>
 
@@ -151,6 +153,63 @@ TEST(WallSwing, CoarseEncodersEndBelowThreeMillimetres)
             EXPECT_LT(swing(wall_of(stands[1]), setting, 15, 2).amplitude, 3e-3) << b << delay;
         }
     }
+}
+
+/// Ratio of a mass's speeds after and before a bounce off a wall with damping, and the time in
+/// contact, s. The force is never negative and acts after some ticks.
+std::array<double, 2> bounce(const HandModel& model, double stiffness, double damping, double phase)
+{
+    constexpr double speed = 0.1;
+    const double tick = model.tick_seconds;
+    SimulatedHand hand(model, Vec3(0, 0, phase * speed * tick));
+    hand.set_motion(Vec3(0, 0, phase * speed * tick), Vec3(0, 0, -speed));
+    double contact = 0;
+    int apart = 0; // ticks since the last contact
+    while (contact == 0 || apart <= model.delay_ticks + 1) {
+        const DeviceState state = hand.state();
+        const double z = state.pose.translation.z();
+        // Far below: no wall holds it.
+        if (z < -1) return {0, contact};
+        const double force = std::max(-stiffness * z - damping * state.velocity.z(), 0.0);
+        apart = z < 0 ? 0 : apart + 1;
+        contact += z < 0 ? tick : 0;
+        hand.step(Vec3(0, 0, z < 0 ? force : 0.0), Vec3::Zero());
+    }
+    return {hand.velocity().z() / speed, contact};
+}
+
+TEST(WallSwing, FullyDampedWallsGiveEnergyInBriefContactsAlone)
+{
+    // What the guard softens by: six delays of the damping of four ticks each.
+    constexpr int phases = 16;
+    int giving = 0;
+    double longest = 0;
+    for (const DeviceLimits& device : known_devices()) {
+        for (int delay = 0; delay <= 3; ++delay) {
+            HandModel model = testing::without_hand();
+            model.device_damping = 0.1;
+            model.delay_ticks = delay;
+            for (model.mass = 0.02; model.mass < 0.5; model.mass *= 1.05) {
+                double ratio = 0;
+                double contact = 0;
+                for (int phase = 0; phase < phases; ++phase) {
+                    const auto [each, seconds] = bounce(model, device.max_stiffness,
+                                                        device.max_damping, (phase + 0.5) / phases);
+                    ratio += each / phases;
+                    contact += seconds / phases;
+                }
+                if (ratio <= 1) continue;
+                ++giving;
+                longest = std::max(longest, contact);
+                EXPECT_LE(contact, 0.024) << device.name << ' ' << delay << ' ' << model.mass;
+                EXPECT_FALSE(device.max_stiffness <= 1000 && model.mass > 0.06)
+                    << device.name << ' ' << delay << ' ' << model.mass;
+            }
+        }
+    }
+    std::printf("longest contact of a fully damped wall that gives energy: %.1f ms\n",
+                1e3 * longest);
+    EXPECT_GT(giving, 10);
 }
 
 /// A motion along x of so many turns per second, whose amplitude grows by so much a turn, up to e^2.

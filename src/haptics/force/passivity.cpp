@@ -26,7 +26,8 @@ constexpr double negligible = 0.01; ///< of the device's damping
 
 /// A mass m that hits a wall is in contact for pi sqrt(m / K) or longer. With all damping that the known
 /// devices allow, the wall throws it back faster than it came only if that is less than five and a
-/// half times the delay of the damping, which is a tick longer than the delay of the force.
+/// half times the delay of the damping: the ticks of the force's delay, half a tick for the hold, and
+/// half a tick for a velocity by differences.
 constexpr double brief_contact = 6; ///< of these delays
 constexpr double least_mass = 0.06; ///< kg, of a device and what holds it; that of a Touch is 0.045
 
