@@ -13,14 +13,6 @@ double EnergySums::most_given_since(const EnergySums& earlier) const noexcept
     return most;
 }
 
-double EnergySums::mass_since(const EnergySums& earlier) const noexcept
-{
-    const double square = accelerated - earlier.accelerated;
-    const double product = forced - earlier.forced;
-    if (!(square > 0) || !(product > 0)) return std::numeric_limits<double>::infinity();
-    return product / square;
-}
-
 void EnergyAccount::add(const Vec3& position, const Vec3& spring, double seconds) noexcept
 {
     ++now_;
@@ -48,13 +40,6 @@ void EnergyAccount::add(const Vec3& position, const Vec3& spring, double seconds
     const double motion = step.squaredNorm() / seconds;
     sums_.motion += motion;
     sums_.motion_in_contact += in_contact ? motion : 0;
-    const Vec3 force = at(window / 2).force;
-    if (force == Vec3::Zero()) return;
-    const double half = 0.5 * static_cast<double>(window) * seconds;
-    const Vec3 acceleration =
-        (position - 2 * at(window / 2).position + at(window).position) / (half * half);
-    sums_.forced += seconds * force.dot(acceleration);
-    sums_.accelerated += seconds * acceleration.squaredNorm();
 }
 
 } // namespace proxima

@@ -29,13 +29,7 @@ inline constexpr std::size_t most_delay_ticks = 3;
 struct EnergySums {
     std::array<double, most_delay_ticks + 1> given = {}; ///< J, by ticks of delay
     double motion = 0;                                   ///< J s / kg: of v^2, by time
-    double forced = 0;                                   ///< N m/s: of F . a in contact, by time
-    double accelerated = 0;                              ///< m^2/s^3: of a^2 in contact, by time
     double motion_in_contact = 0;                        ///< the part where a force acts
-
-    /// The mass that the force would have to move as it moved since an earlier tick, kg; infinite
-    /// where a hand moved it against the force.
-    [[nodiscard]] double mass_since(const EnergySums& earlier) const noexcept;
 
     /// The most that was given since an earlier tick, whatever the delay, J.
     [[nodiscard]] double most_given_since(const EnergySums& earlier) const noexcept;

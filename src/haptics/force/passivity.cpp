@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 namespace proxima {
 
@@ -12,24 +13,31 @@ namespace {
 /// N s/m: the friction of the best devices. Less than this is not enough to keep a swing going.
 constexpr double least_device_damping = 0.1;
 
-/// Damping answers two legs in succession that do not fade, a hand's among them, and softening three:
-/// of four strokes of random lengths one in 24 are in ascending order. A leg that is half as long
+/// Damping and softening answer two legs in succession that do not fade. A leg that is half as long
 /// again as the one before counts twice.
-constexpr int legs_to_damp = 2;
-constexpr int legs_to_soften = 3;
+constexpr int least_legs = 2;
 
-/// An answer adds what the contact gave and a tenth, at least a quarter of what is allowed: four
-/// answers come to all of it, also where limits of the force hide how much is needed.
-constexpr double surplus = 1.1;
-constexpr double least_step = 0.25;
-constexpr double nearly_all = 0.9; ///< of the damping that is allowed
-
-constexpr double most_mass = 0.4; ///< kg: of a device and the hand that is moved with it
+constexpr double least_step = 0.25; ///< of the damping that is allowed: four answers come to all
+constexpr double nearly_all = 0.9;  ///< of it
 constexpr double least_softness = 0.2;
 constexpr double softening = 0.7;
-constexpr double least_slow_leg = 5e-4; ///< m, to soften: ten steps of the coarsest encoder
-constexpr double recovery = 4;          ///< s, in which s doubles, or damping halves
-constexpr double negligible = 0.01;     ///< of the device's damping
+constexpr double recovery = 4;      ///< s, in which s doubles, or damping halves
+constexpr double negligible = 0.01; ///< of the device's damping
+
+/// A mass m that hits a wall is in contact for pi sqrt(m / K) or longer. With all damping that the known
+/// devices allow, the wall throws it back faster than it came only if that is less than five and a
+/// half times the delay of the damping: the ticks of the force's delay, half a tick for the hold, and
+/// half a tick for a velocity by differences.
+constexpr double brief_contact = 6; ///< of these delays
+constexpr double least_mass = 0.06; ///< kg, of a device and what holds it; that of a Touch is 0.045
+
+/// Whether a fully damped wall may have caused a cycle with so much time in contact.
+bool is_brief(double contact, double stiffness, double tick_seconds) noexcept
+{
+    const double longest = brief_contact * (most_delay_ticks + 1) * tick_seconds;
+    const double least = std::numbers::pi * std::sqrt(least_mass / stiffness);
+    return contact <= longest && least <= longest;
+}
 
 } // namespace
 
@@ -46,17 +54,16 @@ void PassivityGuard::soften(double factor) noexcept
     report_.lowest_softness = std::min(report_.lowest_softness, softness_);
 }
 
-/// Adds damping, or softens where the damping that the device allows is there.
-void PassivityGuard::answer(const SwingTick& tick, double needed, double mass,
-                            double most_damping) noexcept
+/// Adds damping, or softens where the damping that the device allows is there and is not enough.
+void PassivityGuard::answer(const SwingTick& tick, double needed, bool brief) noexcept
 {
-    if (damping_ < nearly_all * most_damping) {
+    const double most = std::max(max_damping_ - surface_damping_, 0.0);
+    if (damping_ < nearly_all * most) {
         report_.swings += damping_ > 0 ? 0U : 1U;
-        const double step = std::max(surplus * needed, least_step * most_damping);
-        damping_ = tick.quick ? most_damping : std::min(damping_ + step, most_damping);
+        const double step = brief || tick.quick ? most : std::max(needed, least_step * most);
+        damping_ = std::min(damping_ + step, most);
         report_.most_damping = std::max(report_.most_damping, damping_);
-    } else if (!tick.fast &&
-               (tick.legs < legs_to_soften || tick.length < least_slow_leg || mass > most_mass)) {
+    } else if (!brief && !tick.quick) {
         return;
     } else if (!tick.quick) {
         soften(softening);
@@ -67,7 +74,7 @@ void PassivityGuard::answer(const SwingTick& tick, double needed, double mass,
 }
 
 /// Weighs a leg that did not fade by the energy of the cycle that it ends.
-void PassivityGuard::judge(const SwingTick& tick, double most_damping) noexcept
+void PassivityGuard::judge(const SwingTick& tick, double seconds) noexcept
 {
     if (!tick.turned && !tick.reported) return;
     const EnergySums& now = account_.sums();
@@ -75,10 +82,10 @@ void PassivityGuard::judge(const SwingTick& tick, double most_damping) noexcept
     const double motion = now.motion - cycle_began_.motion;
     const double in_contact = now.motion_in_contact - cycle_began_.motion_in_contact;
     gives_ = given > least_device_damping * motion;
-    if (!tick.reported || !(tick.legs >= legs_to_damp || tick.quick) || !gives_) return;
+    if (!tick.reported || !(tick.legs >= least_legs || tick.quick) || !gives_) return;
     report_.most_given = std::max(report_.most_given, given);
     answer(tick, in_contact > 0 ? std::max(given, 0.0) / in_contact : 0,
-           now.mass_since(cycle_began_), most_damping);
+           is_brief(tick.contact, stiffness_, seconds));
 }
 
 /// Less than by s, so that a softened wall can stop what made it swing; never more than is allowed.
@@ -124,8 +131,12 @@ Vec3 PassivityGuard::pass(const Vec3& position, const Vec3& velocity, const Cont
     if (mode_ == Guard::off) return force.whole;
     recover(seconds);
     account_.add(position, softness_ * shortened(force.spring, max_force_), seconds);
-    const SwingTick tick = swing_.watch(position, force.spring, seconds);
-    judge(tick, std::max(max_damping_ - force.damping, 0.0));
+    const SwingTick tick = swing_.watch(position, force.spring, seconds, max_force_);
+    if (force.stiffness > 0) {
+        stiffness_ = force.stiffness;
+        surface_damping_ = force.damping;
+    }
+    judge(tick, seconds);
     if (tick.turned) mark();
     const Vec3 result = guarded(force, velocity);
     account_.applied(result);

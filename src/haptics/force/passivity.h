@@ -4,13 +4,16 @@
 //     evidence     a motion to and fro that does not fade (swing_detector.h), while the contact gave
 //                  more energy than a device takes (energy_account.h)
 //     damping      the first answer: as much as the contact gave, over v^2, up to the device's limit
-//     softening    the second, where all damping does not end it: the force is scaled by s, from 1
-//                  down to a fifth, and the guard's damping by its square root
+//     softening    the second, where all damping does not end it and contacts are brief: the force is
+//                  scaled by s, from 1 down to a fifth, and the guard's damping by its square root
 //     recovery     both halve or double in four seconds, once the contact no longer swings
 //
 // Damping comes first because it is enough for a hand: with B >= K (delay + T / 2) a contact gives
 // nothing at the rates of a hand, whatever hand it is and however long it taps or trembles. All known
-// devices allow that much at their greatest stiffness for delays up to three ticks.
+// devices allow that much at their greatest stiffness for delays up to three ticks. The damping is
+// late too: a wall that has all of it can still drive a swing that is in contact for less than six
+// delays a cycle, where it is stiff enough to make contacts of the lightest device that brief.
+// Whatever swings more slowly is moved by a hand, and is not softened.
 #pragma once
 
 #include "haptics/force/energy_account.h"
@@ -27,6 +30,7 @@ namespace proxima {
 struct ContactForce {
     Vec3 spring = Vec3::Zero(); ///< N, without damping
     Vec3 whole = Vec3::Zero();  ///< N, with the surface's damping
+    double stiffness = 0;       ///< N/m, of the surface
     double damping = 0;         ///< N s/m, of the surface
 };
 
@@ -79,8 +83,8 @@ public:
     [[nodiscard]] const SwingReport& report() const noexcept { return report_; }
 
 private:
-    void judge(const SwingTick& tick, double most_damping) noexcept;
-    void answer(const SwingTick& tick, double needed, double mass, double most_damping) noexcept;
+    void judge(const SwingTick& tick, double seconds) noexcept;
+    void answer(const SwingTick& tick, double needed, bool brief) noexcept;
     void soften(double factor) noexcept;
     [[nodiscard]] double softened_damping() const noexcept;
     void recover(double seconds) noexcept;
@@ -92,9 +96,11 @@ private:
     double max_damping_;
     SwingDetector swing_;
     EnergyAccount account_;
-    EnergySums leg_began_;   ///< the account at the last turn
-    EnergySums cycle_began_; ///< and at the turn before
-    bool gives_ = false;     ///< the last cycle gave more than a device takes
+    EnergySums leg_began_;       ///< the account at the last turn
+    EnergySums cycle_began_;     ///< and at the turn before
+    bool gives_ = false;         ///< the last cycle gave more than a device takes
+    double stiffness_ = 0;       ///< N/m, of the last contact
+    double surface_damping_ = 0; ///< N s/m
     double damping_ = 0;
     double softness_ = 1;
     double softened_seconds_ = 0; ///< s, of the softening in progress

@@ -275,15 +275,18 @@ ContactForce SurfaceRenderer::contact_force(const ProxyTick& proxy, const Vec3& 
     const Vec3 elastic = probe_ ? penalty_force(options_.force, proxy.depth / map_.units_per_metre,
                                                 proxy.normal, still)
                                 : spring(proxy, device, still);
+    double stiffness = options_.force.stiffness;
     double damping = options_.force.damping;
     if (properties_ != nullptr) {
         const auto contacts = std::span(proxy.slide.contacts).first(proxy.slide.contact_count);
         for (const Contact& each : contacts) {
             const auto material = properties_->material(each.triangle);
-            if (material) damping = std::max(damping, material->damping);
+            if (!material) continue;
+            stiffness = std::max(stiffness, std::min(material->stiffness, device_.max_stiffness));
+            damping = std::max(damping, material->damping);
         }
     }
-    return {elastic, whole, damping};
+    return {elastic, whole, stiffness, damping};
 }
 
 void SurfaceRenderer::reset() noexcept

@@ -39,10 +39,14 @@ void SwingDetector::end_leg() noexcept
     turned_ = farthest_;
     direction_ = -direction_;
     leg_seconds_ -= farthest_seconds_;
+    cycle_contact_ = last_contact_ + contact_;
+    last_contact_ = contact_;
+    contact_ = 0;
     next_ = 1;
 }
 
-SwingTick SwingDetector::watch(const Vec3& position, const Vec3& force, double seconds) noexcept
+SwingTick SwingDetector::watch(const Vec3& position, const Vec3& force, double seconds,
+                               double most_force) noexcept
 {
     const double size = force.norm();
     const Vec3 step = position - last_;
@@ -68,6 +72,7 @@ SwingTick SwingDetector::watch(const Vec3& position, const Vec3& force, double s
     SwingTick tick;
     height_ += axis_.dot(step);
     leg_seconds_ += seconds;
+    contact_ += size > 0 && size < most_force ? seconds : 0;
     if (direction_ == 0) {
         if (std::abs(height_) < least_leg) return {};
         direction_ = height_ > 0 ? 1 : -1;
@@ -90,6 +95,7 @@ SwingTick SwingDetector::watch(const Vec3& position, const Vec3& force, double s
     if (!(before > 0) || leg_seconds_ > longest_leg || length < next_ * before) return tick;
     tick.reported = true;
     tick.length = length;
+    tick.contact = std::max(cycle_contact_, last_contact_ + contact_);
     tick.growth = length / (second ? last_leg_ : amplitude_);
     tick.legs = legs_ + 1 + static_cast<int>(std::log(tick.growth) / std::log(again));
     tick.fast = last_fast_ && is_fast_leg(length, leg_seconds_);

@@ -28,6 +28,7 @@ struct SwingTick {
     double length = 0;     ///< m, of the leg so far
     double growth = 1;     ///< the leg over the amplitude before
     bool fast = false;     ///< it and the leg before are faster than a hand moves to and fro
+    double contact = 0;    ///< s in contact: of the last cycle or this one, whichever is longer
     bool quick = false;    ///< and it grew by half, with more acceleration than a hand has
 };
 
@@ -35,8 +36,11 @@ struct SwingTick {
 class SwingDetector {
 public:
     /// A tick with the device at `position` and this force, zero away from contacts.
-    /// \pre finite, seconds > 0
-    [[nodiscard]] SwingTick watch(const Vec3& position, const Vec3& force, double seconds) noexcept;
+    /// Time with a force of `most_force` or more does not count as time in contact: a force that does
+    /// not change is no later for its delay. \pre finite, seconds > 0
+    [[nodiscard]] SwingTick
+    watch(const Vec3& position, const Vec3& force, double seconds,
+          double most_force = std::numeric_limits<double>::infinity()) noexcept;
 
     void restart() noexcept { *this = {}; }
 
@@ -67,6 +71,9 @@ private:
     double last_leg_ = 0;         ///< m
     double amplitude_ = 0;        ///< m, of the last leg; 0 where it began none
     double next_ = 1;             ///< growth that is reported next
+    double contact_ = 0;          ///< s in contact of the leg so far
+    double last_contact_ = 0;     ///< of the last leg
+    double cycle_contact_ = 0;    ///< of the last two legs
     int direction_ = 0;           ///< of the leg: -1 or 1; 0 before the first
     int legs_ = 0;
     bool last_fast_ = false;
