@@ -196,8 +196,11 @@ std::uint64_t show_live(Snapshot<LiveTouch>& live, DeviceInput& input,
                         const std::atomic<bool>& ended, bool shown, double graphics_rate,
                         SceneMessageQueue* queue, std::vector<SceneMessage>& messages)
 {
+    // Beyond this they fill the queue, which counts what it drops.
+    constexpr auto most_messages =
+        static_cast<std::size_t>(most_recorded_bytes / sizeof(SceneMessage));
     const auto take_messages = [&] {
-        while (queue != nullptr) {
+        while (queue != nullptr && messages.size() < most_messages) {
             const auto message = queue->pop();
             if (!message) break;
             messages.push_back(*message);
