@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""What users find after an installation: a folder of at most thirty headers, each of which compiles alone and
+"""What users find after an installation: a folder of at most thirty-two headers, each of which compiles alone and
 includes the others, Eigen and the standard library only; result.h also tl/expected.hpp.
 
     installed_headers.py INCLUDE_FOLDER COMPILER FLAGS...     exit status 1 where that is not so
@@ -12,7 +12,7 @@ import tempfile
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
-MOST_HEADERS = 30
+MOST_HEADERS = 32
 INCLUDE = re.compile(r'^\s*#\s*include\s*(["<])([^">]+)[">]', re.MULTILINE)
 STANDARD = re.compile(r"^[a-z_]+$")
 
