@@ -9,13 +9,18 @@ namespace proxima {
 
 namespace {
 
-constexpr std::size_t max_pairs = 4096;
+constexpr std::size_t max_pairs = 2048;
 constexpr std::size_t max_contacts = 1024;
 /// Lists with more pairs are followed by ones with half the margin, with fewer by ones with twice that.
 constexpr std::size_t many_pairs = 800;
 constexpr std::size_t few_pairs = 300;
 constexpr double least_margin_clearances = 2;
 constexpr int max_rounds = 6;
+/// Closest points of triangles, or as much other work, after which a tick begins no further move:
+/// some 0.4 ms.
+constexpr std::size_t max_work = 400;
+/// Pairs whose listing takes as long as that of one.
+constexpr std::size_t listed_pairs_per_work = 4;
 /// Pairs that are nearer than so many clearances are among the constraints from the start.
 constexpr double near_clearances = 2;
 /// Lists reach at least so many clearances farther than the tool is going to move.
@@ -121,6 +126,7 @@ bool ToolProxy::list_pairs_once(double margin) noexcept
     list_pose_ = pose_;
     list_margin_ = margin;
     ++work_.lists;
+    work_.spent += pair_count_ / listed_pairs_per_work;
     work_.pairs = std::max(work_.pairs, pair_count_);
     return true;
 }
@@ -150,6 +156,7 @@ double ToolProxy::room() const noexcept
 /// Takes the contacts of a pair whose gap is more than `nearest` and at most `farthest`.
 void ToolProxy::add_contacts(std::uint32_t pair, double nearest, double farthest) noexcept
 {
+    ++work_.spent;
     const RigidBody& object = objects_[pairs_[pair].object];
     const std::span<FeatureContact> free = std::span(contacts_).subspan(contact_count_);
     const std::size_t found = find_contacts(pairs_[pair], {&object.features, object.pose},
@@ -176,6 +183,7 @@ void ToolProxy::collect_near() noexcept
         NearPair& pair = pairs_[i];
         double gap = plane_gap(pair, pose_);
         if (pair.normal.isZero(0)) {
+            ++work_.spent;
             (void)find_plane(pair, rest, near, last);
             gap = plane_gap(pair, pose_);
         }
@@ -196,9 +204,9 @@ bool ToolProxy::collect_hit(const ToolMotion& motion) noexcept
     for (std::uint32_t i = 0; i < pair_count_; ++i) {
         if (apart_until_[i] >= travelled_ + length + least) continue;
         NearPair& pair = pairs_[i];
-        if (pair.contacts == PairContacts::all || stays_apart(pair, motion, least) ||
-            find_plane(pair, motion, least, last))
-            continue;
+        if (pair.contacts == PairContacts::all || stays_apart(pair, motion, least)) continue;
+        ++work_.spent;
+        if (find_plane(pair, motion, least, last)) continue;
         const double near = near_clearances * options_.clearance;
         add_contacts(i, pair.contacts == PairContacts::near ? near : 0, list_margin_ + length);
         pair.contacts = PairContacts::all;
@@ -325,9 +333,10 @@ bool ToolProxy::move(const Twist& wanted) noexcept
     for (std::size_t i = 0; i < pair_count_ && part > 0; ++i) {
         NearPair& pair = pairs_[i];
         if (apart_until_[i] >= travelled_ + length + limits.wanted) continue;
-        if (stays_apart(pair, motion, limits.wanted) ||
-            find_plane(pair, motion, limits.wanted, last))
-            continue;
+        if (stays_apart(pair, motion, limits.wanted)) continue;
+        ++work_.spent;
+        if (find_plane(pair, motion, limits.wanted, last)) continue;
+        ++work_.spent;
         part = free_part(pair, motion, limits, part);
     }
     hold(solution_);
@@ -354,7 +363,7 @@ void ToolProxy::follow(const RigidTransform& device) noexcept
     const double expected = 2 * std::exchange(last_length_, 0.0);
     const double reach = tool_.features.reach();
     int still = 0; // moves in a row that came no nearer
-    while (work_.moves < options_.max_moves && still < 2) {
+    while (work_.moves < options_.max_moves && work_.spent < max_work && still < 2) {
         const Twist wanted = twist_between(pose_, device);
         const double length = wanted.path_length(reach);
         if (room() < std::min(length, options_.clearance)) {

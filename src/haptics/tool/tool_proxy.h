@@ -64,6 +64,7 @@ struct ToolWork {
     std::size_t lists = 0;
     std::size_t pairs = 0;    ///< in the last list
     std::size_t contacts = 0; ///< most constraints of a move
+    std::size_t spent = 0;    ///< closest points of triangles, or as much other work
 };
 
 /// One thread. noexcept and without allocation but for the constructor.
