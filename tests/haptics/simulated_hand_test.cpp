@@ -200,8 +200,9 @@ TEST(PassivityGuard, StartsAnewAndRecoversWithinSeconds)
         for (int tick = 0; tick < 2000 && guard.softness() > 0.3; ++tick) {
             const DeviceState state = hand.state();
             const Vec3 force = -700 * state.pose.translation;
-            hand.step(guard.pass(state.pose.translation, state.velocity, {force, force, 0}, 1e-3),
-                      Vec3::Zero());
+            hand.step(
+                guard.pass(state.pose.translation, state.velocity, {force, force, 700, 0}, 1e-3),
+                Vec3::Zero());
         }
         EXPECT_LT(guard.softness(), 0.3);
     };
