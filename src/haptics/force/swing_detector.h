@@ -50,7 +50,7 @@ public:
     /// Whether the last leg ended, and the one since then lasts, within the time of a swing's leg.
     [[nodiscard]] bool is_swinging() const noexcept
     {
-        return direction_ != 0 && amplitude_ > 0 && leg_seconds_ <= longest_leg;
+        return !is_away() && direction_ != 0 && amplitude_ > 0 && leg_seconds_ <= longest_leg;
     }
     [[nodiscard]] bool is_fast() const noexcept { return last_fast_; }
 
