@@ -136,8 +136,12 @@ bool ToolProxy::list_pairs_once(double margin) noexcept
 bool ToolProxy::list_pairs(double margin) noexcept
 {
     const double least = least_margin_clearances * options_.clearance;
-    for (margin = std::min(margin, most_margin_); margin >= least; margin /= 2) {
-        if (!list_pairs_once(margin)) continue;
+    margin = std::min(margin, most_margin_);
+    while (margin >= least) {
+        if (!list_pairs_once(margin)) {
+            margin /= 2;
+            continue;
+        }
         if (pair_count_ > many_pairs) most_margin_ = std::max(0.5 * margin, least);
         if (pair_count_ < few_pairs) most_margin_ = std::max(2 * margin, most_margin_);
         return true;

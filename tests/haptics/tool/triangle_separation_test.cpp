@@ -2,6 +2,7 @@
 
 #include "geometry/triangle_distance.h"
 
+#include <cmath>
 #include <gtest/gtest.h>
 #include <random>
 #include <string>
@@ -63,6 +64,27 @@ TEST(TriangleSeparation, WhatIsProvenToStayApartDoes)
     }
     EXPECT_GT(proven, 200);
     EXPECT_GT(stopped, 200);
+}
+
+/// A pendulum whose tip is above the floor at both ends of its swing, and below it in between.
+TEST(TriangleSeparation, ArcsBetweenTheEndsCount)
+{
+    NearPair pair;
+    pair.scene = {{Vec3(-2, -0.95, -2), Vec3(2, -0.95, -2), Vec3(0, -0.95, 3)}};
+    pair.tool = {{Vec3(0, -1, 0), Vec3(-0.1, -0.5, 0), Vec3(0.1, -0.5, 0)}};
+    pair.reach = 1;
+    set_normal(pair, Vec3::UnitY());
+    ToolMotion motion;
+    motion.from = moved_by({}, {Vec3::Zero(), Vec3(0, 0, -0.5)}, 1);
+    motion.twist = {Vec3::Zero(), Vec3::UnitZ()};
+    motion.to = moved_by(motion.from, motion.twist, 1);
+    ASSERT_GT(plane_gap(pair, motion.from), 0.05);
+    ASSERT_GT(plane_gap(pair, motion.to), 0.05);
+    EXPECT_FALSE(stays_apart(pair, motion, 0.01));
+    const double part = free_part(pair, motion, {0.02, 0.015, 0.01}, 1);
+    // cos(0.5 - part) = 0.95 - 0.015 where the tip is as near as it may come.
+    EXPECT_LT(part, 0.5 - std::acos(0.935) + 1e-9);
+    EXPECT_GT(part, 0.5 - std::acos(0.92));
 }
 
 } // namespace
