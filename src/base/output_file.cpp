@@ -8,7 +8,9 @@
 #include <csignal>
 #include <cstring>
 #include <ctime>
+#include <dirent.h>
 #include <fcntl.h>
+#include <memory>
 #include <mutex>
 #include <optional>
 #include <pthread.h>
@@ -154,10 +156,11 @@ void remove_abandoned_files(const fs::path& folder)
     if (error) return;
     const std::lock_guard lock(mutex);
     if (!seen.insert(name).second) return;
-    for (fs::directory_iterator entry(name, error); !error && entry != fs::directory_iterator();
-         entry.increment(error)) {
-        if (is_temporary_name(entry->path().filename().native()))
-            remove_if_abandoned(entry->path());
+    DIR* const entries = ::opendir(name.c_str());
+    if (entries == nullptr) return;
+    const std::unique_ptr<DIR, int (*)(DIR*)> closing(entries, ::closedir);
+    while (const dirent* const entry = ::readdir(entries)) {
+        if (is_temporary_name(entry->d_name)) remove_if_abandoned(name / entry->d_name);
     }
 }
 

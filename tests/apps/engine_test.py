@@ -147,7 +147,7 @@ class Endings(EngineTest):
 
 class Words(EngineTest):
     def test_options_that_do_not_go_together(self):
-        for option, value in (("--motion", ["0=spin:0,0,1,10"]), ("--patch", ["metric"]), ("--free-running", []),
+        for option, value in (("--motion", ["0=spin:0,0,1,10"]), ("--patch", ["1"]), ("--free-running", []),
                               ("--force", ["penalty"])):
             self.refuse("touch", "cube", "--device", "hand:press", "--engine", "udp:0", option, *value,
                         says=(option, "--engine"))
