@@ -128,6 +128,17 @@ class SharedMemoryChannel(Channel):
         except FileNotFoundError:
             raise ChannelError(f"there is no {path}: start proxima touch ... --engine shm:{name} first") from None
         try:
+            rings = self.join(path)
+        except BaseException:
+            os.close(self.file)
+            raise
+        self.touch, self.scene = rings[:4], rings[4:]  # offset, size and number of slots, offset of the count
+        self.read = self.number_at(self.touch[3])
+        self.written = self.number_at(self.scene[3])
+
+    def join(self, path):
+        """Locks and maps the file. Returns where its two rings are."""
+        try:
             fcntl.lockf(self.file, fcntl.LOCK_EX | fcntl.LOCK_NB, 1)
         except OSError:
             raise ChannelError(f"another engine uses {path}") from None
@@ -141,9 +152,7 @@ class SharedMemoryChannel(Channel):
             raise ChannelError(f"Proxima has version {version} of the protocol, and this client {VERSION}: use two that fit")
         if not flags & 1:
             raise ChannelError(f"the program that made {path} has ended")
-        self.touch, self.scene = rings[:4], rings[4:]  # offset, size and number of slots, offset of the count
-        self.read = self.number_at(self.touch[3])
-        self.written = self.number_at(self.scene[3])
+        return rings
 
     def number_at(self, offset):
         return struct.unpack_from("<Q", self.memory, offset)[0]

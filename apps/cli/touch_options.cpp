@@ -1,5 +1,6 @@
 #include "cli/touch_options.h"
 
+#include "base/file_extension.h"
 #include "base/text.h"
 #include "cli/index_file_model.h"
 #include "cli/names.h"
@@ -29,10 +30,10 @@ constexpr std::array recorded_options = {
     "--clutch",        "--device-library", "--stillness", "--patch",   "--collision-rate",
     "--graphics-rate", "--record",         "--method",    "--guard",   "--engine"};
 /// What a tool has no use for yet, and what is for a tool alone.
-constexpr std::array unfit_for_a_tool = {"--radius",   "--friction", "--shading", "--force",
-                                         "--guard",    "--lists",    "--record",  "--patch",
-                                         "--picture",  "--object",   "--pose",    "--motion",
-                                         "--material", "--texture",  "--engine"};
+constexpr std::array unfit_for_a_tool = {
+    "--radius",   "--friction", "--shading", "--force",  "--guard",         "--lists",
+    "--record",   "--patch",    "--picture", "--object", "--pose",          "--motion",
+    "--material", "--texture",  "--engine",  "--method", "--graphics-rate", "--collision-rate"};
 constexpr std::array tool_options = {"--tool-scale", "--turn", "--max-torque", "--clearance",
                                      "--ticks"};
 constexpr std::array driver_options = {"--device-library"};
@@ -80,19 +81,6 @@ Status check_penalty(const TouchCommandOptions& options)
     return {};
 }
 
-/// A finite number of a range: CLI::Range lets through what is no number.
-CLI::Validator number_from(double least, double most)
-{
-    const auto problem = [least, most](const std::string& text) {
-        const auto numbers = parse_finite_numbers(text);
-        const bool right = numbers && numbers->size() == 1 && numbers->front() >= least &&
-                           numbers->front() <= most;
-        return right ? std::string()
-                     : fmt::format("{} is no number from {:g} to {:g}", text, least, most);
-    };
-    return {problem, fmt::format("in [{:g} - {:g}]", least, most)};
-}
-
 /// The simulated hand and the device that it holds.
 void add_hand_options(CLI::App& parser, HandModel& hand)
 {
@@ -124,6 +112,18 @@ void add_hand_options(CLI::App& parser, HandModel& hand)
 }
 
 } // namespace
+
+CLI::Validator number_from(double least, double most)
+{
+    const auto problem = [least, most](const std::string& text) {
+        const auto numbers = parse_finite_numbers(text);
+        const bool right = numbers && numbers->size() == 1 && numbers->front() >= least &&
+                           numbers->front() <= most;
+        return right ? std::string()
+                     : fmt::format("{} is no number from {:g} to {:g}", text, least, most);
+    };
+    return {problem, fmt::format("in [{:g} - {:g}]", least, most)};
+}
 
 bool TouchCommandOptions::is_given(std::string_view name) const
 {
@@ -196,6 +196,9 @@ Status check_options(const TouchCommandOptions& options)
                       ? refuse(tool_options, "is of a tool: give --tool, or leave it out")
                       : refuse(unfit_for_a_tool, "is not for a tool: leave it or --tool out");
     if (!tool) return tool;
+    if (!options.tool.ticks.empty() && lower_case_extension(options.tool.ticks) != ".csv") {
+        return fail(ErrorCode::invalid_argument, "must end in .csv", options.tool.ticks);
+    }
     const std::string kind = options.device.substr(0, options.device.find(':'));
     Status status;
     if (kind == "replay" && !options.tool.tool.empty()) {
@@ -211,6 +214,10 @@ Status check_options(const TouchCommandOptions& options)
     if (kind != "hand") {
         status =
             refuse(hand_options, "is for a simulated hand, not for other devices: leave it out");
+        if (status && options.is_given("--turn")) {
+            return fail(ErrorCode::invalid_argument,
+                        "turns a simulated hand, not other devices: leave it out", "--turn");
+        }
     }
     if (kind == "hand" && options.is_given("--clutch")) {
         return fail(ErrorCode::invalid_argument, "a simulated hand has no buttons: leave it out",

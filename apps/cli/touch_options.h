@@ -69,4 +69,7 @@ void add_touch_options(CLI::App& parser, TouchCommandOptions& options);
 /// What a material has that says less of itself.
 [[nodiscard]] SurfaceMaterial usual_material(const TouchCommandOptions& options);
 
+/// Accepts one finite number in the range.
+[[nodiscard]] CLI::Validator number_from(double least, double most);
+
 } // namespace proxima

@@ -244,15 +244,14 @@ std::vector<ScriptedObject> objects_of(const TouchModel& model)
     return {objects.begin(), objects.end()};
 }
 
-/// Ticks after the session's end in which the force of a device fades that somebody holds.
+} // namespace
+
 std::uint64_t ticks_to_release(const DeviceInfo& info, const TouchSettings& settings)
 {
     if (!info.pushes) return 0;
     const double fading = settings.render.force.loss_seconds / settings.input.tick_seconds;
     return static_cast<std::uint64_t>(std::ceil(fading)) + 5;
 }
-
-} // namespace
 
 double recorded_bytes(const TouchSettings& settings)
 {

@@ -67,6 +67,9 @@ inline constexpr double most_recorded_bytes = 4e9;
 /// What recording and course of the session hold in memory.
 [[nodiscard]] double recorded_bytes(const TouchSettings& settings);
 
+/// Ticks after the session's end in which the force of a device fades that somebody holds.
+[[nodiscard]] std::uint64_t ticks_to_release(const DeviceInfo& info, const TouchSettings& settings);
+
 /// What became of a session's device.
 struct DeviceAccount {
     DeviceInfo info;

@@ -2,6 +2,7 @@
 
 #include "base/output_file.h"
 #include "cli/touch_device.h"
+#include "cli/touch_options.h"
 #include "haptics/tool/rigid_motion.h"
 #include "proxima/device.h"
 #include "proxima/intersect_meshes.h"
@@ -121,7 +122,7 @@ void add_tool_options(CLI::App& parser, ToolCommandOptions& options)
     const auto add = [&](const char* name, double& value, const char* what, const char* unit,
                          double least, double most) {
         parser.add_option(name, value, what)
-            ->check(CLI::Range(least, most))
+            ->check(number_from(least, most))
             ->capture_default_str()
             ->type_name(unit);
     };
@@ -152,6 +153,16 @@ Status run_tool(const ToolCommandOptions& options, const std::string& model_name
 {
     if (!options.ticks.empty()) {
         if (Status status = session.check_outputs({options.ticks}); !status) return status;
+        const double kept_ticks = settings.seconds / settings.input.tick_seconds;
+        const double bytes = kept_ticks * static_cast<double>(sizeof(ToolTick));
+        if (bytes > most_recorded_bytes) {
+            return fail(ErrorCode::budget_exceeded,
+                        fmt::format("{:g} s would hold {:.1f} GB in memory, and a session may hold "
+                                    "{:.1f}: give at most --seconds {:.0f}, or no --ticks",
+                                    settings.seconds, 1e-9 * bytes, 1e-9 * most_recorded_bytes,
+                                    std::floor(settings.seconds * most_recorded_bytes / bytes)),
+                        "--ticks");
+        }
     }
     const auto model = load_touch_model(model_name, false, session);
     if (!model) return tl::unexpected(model.error());
@@ -176,12 +187,16 @@ Status run_tool(const ToolCommandOptions& options, const std::string& model_name
 
     const double tick_seconds = settings.input.tick_seconds;
     const auto ticks = static_cast<std::uint64_t>(std::llround(settings.seconds / tick_seconds));
+    const std::uint64_t release_ticks = ticks_to_release(device.info(), settings);
     const bool scripted = settings.device.device.starts_with("hand:");
-    std::vector<ToolTick> kept(options.ticks.empty() ? 0 : ticks);
+    std::vector<ToolTick> kept(options.ticks.empty() ? 0 : ticks + release_ticks);
+    std::uint64_t last = ticks; // the session ends before this tick, and then lets go
     ToolAccount account;
     const ServoStatistics servo = device.run(
-        {.rate = 1 / tick_seconds, .ticks = ticks, .pace = settings.pace},
+        {.rate = 1 / tick_seconds, .ticks = ticks + release_ticks, .pace = settings.pace},
         [&](std::uint64_t number) noexcept {
+            if (number < last && session.progress().cancelled()) last = number;
+            if (number >= last) input->release();
             DeviceReading reading = device.read();
             const double seconds = static_cast<double>(number) * tick_seconds;
             if (scripted) reading.state.pose.rotation = turned_by_wrist(options.turn, seconds);
@@ -197,8 +212,11 @@ Status run_tool(const ToolCommandOptions& options, const std::string& model_name
             account.limited += tick.end == ToolEnd::limited ? 1U : 0U;
             account.overloaded += tick.end == ToolEnd::overloaded ? 1U : 0U;
             account.unplaced += tick.is_placed ? 0U : 1U;
+            // A simulated hand waits for the exact test; a device would miss ticks.
             account.entered +=
-                tick.is_placed && meshes_intersect(touched.index, *tool, tick.proxy) ? 1U : 0U;
+                scripted && tick.is_placed && meshes_intersect(touched.index, *tool, tick.proxy)
+                    ? 1U
+                    : 0U;
             account.max_force = std::max(account.max_force, tick.force.norm());
             account.max_torque = std::max(account.max_torque, tick.torque.norm());
             account.max_spring_torque =
@@ -208,7 +226,7 @@ Status run_tool(const ToolCommandOptions& options, const std::string& model_name
             account.max_stretch = std::max(account.max_stretch, stretch.norm());
             account.max_near = std::max(account.max_near, tick.near_triangles);
             if (!kept.empty()) kept[number] = tick;
-            return session.progress().cancelled() ? Flow::stop : Flow::proceed;
+            return account.ticks >= last + release_ticks ? Flow::stop : Flow::proceed;
         });
     kept.resize(std::min<std::size_t>(kept.size(), account.ticks));
 
@@ -234,11 +252,11 @@ Status run_tool(const ToolCommandOptions& options, const std::string& model_name
     if (!options.ticks.empty()) {
         auto file = OutputFile::create(options.ticks);
         if (!file) return tl::unexpected(file.error());
-        std::string table(row_header);
-        for (std::size_t i = 0; i < kept.size(); ++i)
-            table += row_of(static_cast<double>(i) * tick_seconds, kept[i]);
-        if (Status status = file->write(table); !status) return status;
-        if (Status status = file->commit(); !status) return status;
+        Status written = file->write(row_header);
+        for (std::size_t i = 0; i < kept.size() && written; ++i)
+            written = file->write(row_of(static_cast<double>(i) * tick_seconds, kept[i]));
+        if (written) written = file->commit();
+        if (!written) return written;
         session.print(fmt::format("wrote {}\n", options.ticks));
     }
     return session.write_json({{"model", model_name},
@@ -247,6 +265,7 @@ Status run_tool(const ToolCommandOptions& options, const std::string& model_name
                                {"tool_triangles", tool->triangle_count()},
                                {"device", settings.device.device},
                                {"ticks", account.ticks},
+                               {"interrupted", last < ticks},
                                {"touching_ticks", account.touching},
                                {"entered_ticks", account.entered},
                                {"unplaced_ticks", account.unplaced},

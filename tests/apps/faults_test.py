@@ -27,6 +27,7 @@ JOBS = {
     "saved": ("closest {f}/saved.pxi --point 0.1,0.2,3 --out {f}/a.npy", ["a.npy"]),
     "raycast": ("raycast {f}/a.off --ray 0,0,5,0,0,-1 --out {f}/a.csv", ["a.csv"]),
     "intersect": ("intersect {f}/a.off {f}/a.off --pose 0.3,0,0 --out {f}/a.csv", ["a.csv"]),
+    "touch": ("touch {f}/a.off --device hand:press --seconds 0.02 --free-running --record {f}/a.pxt", ["a.pxt"]),
     "repair": ("repair {f}/a.off --out {f}/b.ply --map {f}/map.csv", ["b.ply", "map.csv"]),
 }
 

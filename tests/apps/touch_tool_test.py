@@ -3,7 +3,7 @@ import unittest
 
 from proxima_program import ProgramTest
 
-KEYS = ["model", "triangles", "tool", "tool_triangles", "device", "ticks", "touching_ticks", "entered_ticks", "unplaced_ticks",
+KEYS = ["model", "triangles", "tool", "tool_triangles", "device", "ticks", "interrupted", "touching_ticks", "entered_ticks", "unplaced_ticks",
         "limited_ticks", "overloaded_ticks", "max_near_pairs", "max_force", "max_torque", "max_spring_torque", "max_stretch",
         "clock", "processor", "missed_deadlines"]
 
@@ -35,7 +35,19 @@ class Tools(ProgramTest):
         self.assertEqual(sum(row["contacts"] > 0 for row in rows), result["touching_ticks"])
 
     def test_what_does_not_go_together(self):
-        self.refuse("touch", "cube", *self.session, "--radius", 0.001, says=("--radius", "--tool"))
+        for option, value in (("--radius", 0.001), ("--friction", 0.1), ("--force", "penalty"), ("--guard", "off"),
+                              ("--record", self.folder / "a.pxt"), ("--picture", self.folder / "a.png"), ("--patch", 1),
+                              ("--object", "cube"), ("--texture", "viscosity:1"), ("--engine", "udp:0"),
+                              ("--method", "thesis"), ("--graphics-rate", 10), ("--collision-rate", 10)):
+            self.refuse("touch", "cube", *self.session, option, value, says=(option, "--tool"))
+        for option in ("--shading", "--lists"):
+            self.refuse("touch", "cube", *self.session, option, says=(option, "--tool"))
+        for option in ("--tool-scale", "--turn", "--max-torque", "--clearance"):
+            self.refuse("touch", "cube", "--tool", "cube", "--device", "hand:press", option, "nan", status=2, says=option)
+        self.refuse("touch", "cube", "--tool", "cube", "--device", "udp:0", "--turn", 3, says="--turn")
+        self.refuse("touch", "cube", *self.session, "--ticks", self.folder / "a.txt", says=".csv")
+        self.refuse("touch", "cube", "--tool", "cube", "--device", "hand:press", "--seconds", 86400, "--ticks",
+                    self.folder / "a.csv", says=("--ticks", "GB"))
         self.refuse("touch", "cube", "--device", "hand:press", "--turn", 3, says=("--turn", "--tool"))
         self.refuse("touch", "cube", "--tool", "cube", "--device", "replay:x.pxt", says=("recordings", "--tool"))
         self.refuse("touch", "cube", "--tool", "missing.obj", "--device", "hand:press", says=("missing.obj",))

@@ -149,6 +149,9 @@ Result<SharedSegment> SharedSegment::create(std::string_view name)
         segment.file_ = -1;
     }
     if (segment.file_ < 0) return refused(path, "is removed again and again by other programs");
+    // Pages that are not there yet would be missed only when they are written.
+    errno = posix_fallocate(segment.file_, 0, off_t{segment_size});
+    if (errno != 0) return system_refused(path, "there is no room for shared memory");
     void* const memory =
         mmap(nullptr, segment_size, PROT_READ | PROT_WRITE, MAP_SHARED, segment.file_, 0);
     if (memory == MAP_FAILED) return system_refused(path, "cannot map shared memory");
@@ -182,6 +185,7 @@ SharedSegment::~SharedSegment()
     if (!bytes_.empty()) {
         const auto header = header_of_owner(0);
         std::memcpy(bytes_.data(), header.data(), header.size());
+        guard_ = {};
         munmap(bytes_.data(), bytes_.size());
         shm_unlink(path_.c_str());
     }

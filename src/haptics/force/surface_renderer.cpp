@@ -279,11 +279,13 @@ ContactForce SurfaceRenderer::contact_force(const ProxyTick& proxy, const Vec3& 
     double damping = options_.force.damping;
     if (properties_ != nullptr) {
         const auto contacts = std::span(proxy.slide.contacts).first(proxy.slide.contact_count);
+        if (!contacts.empty()) stiffness = damping = 0;
         for (const Contact& each : contacts) {
             const auto material = properties_->material(each.triangle);
-            if (!material) continue;
-            stiffness = std::max(stiffness, std::min(material->stiffness, device_.max_stiffness));
-            damping = std::max(damping, material->damping);
+            stiffness =
+                std::max(stiffness, material ? std::min(material->stiffness, device_.max_stiffness)
+                                             : options_.force.stiffness);
+            damping = std::max(damping, material ? material->damping : options_.force.damping);
         }
     }
     return {elastic, whole, stiffness, damping};

@@ -46,7 +46,23 @@ MovingSurface::MovingSurface(SceneInput& input, std::size_t tool)
     scale_.mean_edge = scale_.extent;
     rounding_ = frame_rounding * scale_.reach;
     start();
-    for (std::uint32_t i = 0; i < input.object_count(); ++i) add(ObjectId{i});
+    try {
+        for (std::uint32_t i = 0; i < input.object_count(); ++i) add(ObjectId{i});
+    } catch (...) {
+        input.leave(tool); // which refers to shapes that end here
+        throw;
+    }
+}
+
+void MovingSurface::start() noexcept
+{
+    clock_.start(input_.clock());
+    for (const auto& slot : objects_) {
+        if (slot->courses.update()) slot->trajectory.follow(slot->courses.reading());
+        slot->trajectory.start(clock_.now());
+        slot->free_ball.reach = -1;
+    }
+    edition_ = new_edition();
 }
 
 void MovingSurface::measure() noexcept
@@ -63,6 +79,7 @@ void MovingSurface::add(ObjectId id)
     slot->courses.update();
     slot->materials.update();
     slot->trajectory = ObjectTrajectory(slot->courses.reading(), clock_.now());
+    objects_.reserve(objects_.size() + 1); // nothing throws once the input refers to the shapes
     input_.join(id, tool_, slot->shapes);
     slot->shapes.update();
     const SceneShape& shape = slot->shapes.reading();

@@ -54,7 +54,7 @@ public:
     void add(ObjectId id);
 
     /// Goes on at the scene's time, with another servo loop.
-    void start() noexcept { clock_.start(input_.clock()); }
+    void start() noexcept;
 
     /// Like TouchScene::advance().
     SceneTick advance(double seconds) noexcept;

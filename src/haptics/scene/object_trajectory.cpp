@@ -68,14 +68,28 @@ ObjectTrajectory::ObjectTrajectory(const ObjectCourse& course, SceneTime time) n
 
 void ObjectTrajectory::follow(const ObjectCourse& course) noexcept
 {
-    course_ = course;
-    resting_ = false;
+    next_ = course;
+    has_next_ = true;
+}
+
+void ObjectTrajectory::start(SceneTime time) noexcept
+{
+    if (has_next_) course_ = next_;
+    has_next_ = false;
+    resting_ = course_.rests_at(time);
+    moved_ = false;
+    before_ = now_ = course_.pose_at(time);
 }
 
 void ObjectTrajectory::advance(SceneTime time) noexcept
 {
     before_ = now_;
     moved_ = false;
+    if (has_next_ && time >= next_.start()) {
+        course_ = next_;
+        has_next_ = false;
+        resting_ = false;
+    }
     if (resting_) return;
     now_ = course_.pose_at(time);
     resting_ = course_.rests_at(time);

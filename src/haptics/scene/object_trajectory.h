@@ -30,6 +30,8 @@ public:
     /// Whether the pose stays the same from this time on.
     [[nodiscard]] bool rests_at(SceneTime time) const noexcept;
 
+    [[nodiscard]] SceneTime start() const noexcept { return start_; }
+
     /// The last pose that the application gave.
     [[nodiscard]] const RigidTransform& goal() const noexcept { return motion_.pose; }
 
@@ -49,8 +51,12 @@ public:
     ObjectTrajectory() = default;
     ObjectTrajectory(const ObjectCourse& course, SceneTime time) noexcept;
 
-    /// Takes another course from the next tick on.
+    /// Takes another course once the time is there at which it begins, which is ahead for a tool that
+    /// lags behind; the course given last counts.
     void follow(const ObjectCourse& course) noexcept;
+
+    /// As if it had been there at rest before.
+    void start(SceneTime time) noexcept;
 
     /// Advances by a tick that ends at this time.
     void advance(SceneTime time) noexcept;
@@ -61,6 +67,8 @@ public:
 
 private:
     ObjectCourse course_;
+    ObjectCourse next_;
+    bool has_next_ = false;
     bool resting_ = true;
     bool moved_ = false;
     RigidTransform before_;

@@ -5,7 +5,7 @@
 //     tool 1   ─────────●···>        behind by more than three ticks: moved on
 //
 // Servo loops lose ticks and have clocks of their own, so the sums of their ticks drift apart. A loop
-// that is behind by more than a burst of ticks makes up for, lost them.
+// that is behind by more ticks than it can make up for in a burst has lost them.
 #pragma once
 
 #include "proxima/touch_scene.h"

@@ -325,7 +325,7 @@ bool ToolProxy::move(const Twist& wanted) noexcept
             length = twist.path_length(reach);
         }
         motion = {pose_, moved_by(pose_, twist, 1), twist};
-        if (!collect_hit(motion) || round == max_rounds) break;
+        if (!collect_hit(motion) || round >= max_rounds) break;
         twist = solve(free);
         length = twist.path_length(reach);
     }
