@@ -6,7 +6,8 @@
 namespace proxima {
 
 /// While it lives, SIGINT, SIGTERM and SIGHUP cancel the work that `progress` watches; one that the
-/// program was started to ignore (nohup, a script's background job) stays ignored. A second signal ends the program at once. One at a time.
+/// program was started to ignore (nohup, a script's background job) stays ignored. A second signal
+/// ends the program at once. One at a time.
 class InterruptGuard {
 public:
     explicit InterruptGuard(Progress& progress) noexcept;

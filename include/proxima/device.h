@@ -302,7 +302,7 @@ public:
     /// The command for the device after the renderer's tick, in the device's axes.
     [[nodiscard]] DeviceCommand command(const HapticRenderer& renderer) noexcept;
 
-    /// The same for a tool: force and torque, without planes.
+    /// What the device is to give for a tool: force and torque, without planes.
     [[nodiscard]] DeviceCommand command(const ToolRenderer& renderer) noexcept;
 
     /// From the next tick on the force fades for good: the session ends.

@@ -344,7 +344,7 @@ TEST(EngineLink, WhatCannotBeIsRefusedAndCounted)
     give_object([](PacketObject&) {});
     EXPECT_EQ(link->report().refused_objects, wrong.size());
     EXPECT_NEAR((cubes.scene.pose(ObjectId{0}).translation - Vec3(1, 1, 1)).norm(), 0, 1e-15);
-    // Of a packet whose own numbers are out of range nothing counts.
+    // Nothing counts of a packet whose own numbers are out of range.
     for (const double number : {-1e-9, 11.0, endless, not_a_number}) {
         for (double ScenePacket::*const field :
              {&ScenePacket::period, &ScenePacket::material_seconds}) {

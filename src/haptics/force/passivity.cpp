@@ -29,7 +29,7 @@ constexpr double negligible = 0.01; ///< of the device's damping
 /// half times the delay of the damping: the ticks of the force's delay, half a tick for the hold, and
 /// half a tick for a velocity by differences.
 constexpr double brief_contact = 6; ///< of these delays
-constexpr double least_mass = 0.06; ///< kg, of a device and what holds it; that of a Touch is 0.045
+constexpr double least_mass = 0.06; ///< kg: an assumption, of a device and what holds it
 
 /// Whether a fully damped wall may have caused a cycle with so much time in contact.
 bool is_brief(double contact, double stiffness, double tick_seconds) noexcept

@@ -47,7 +47,7 @@ struct SceneObject {
 /// cache.
 class MovingSurface final : public ContactSurface, public SurfaceProperties {
 public:
-    /// Of all objects there are, where they are now. Refers to the input, which shapes tell the tool.
+    /// A view of all objects of the input, where they are now. Refers to the input, which tells shapes.
     MovingSurface(SceneInput& input, std::size_t tool);
 
     /// Adds an object that the input has. \pre its id is the next

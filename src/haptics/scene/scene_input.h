@@ -70,7 +70,7 @@ public:
     {
         return objects_[to_index(object)]->courses[tool];
     }
-    /// The same for its materials.
+    /// The materials of an object for a tool, which is their reader.
     [[nodiscard]] Snapshot<MaterialCourse>& materials(ObjectId object, std::size_t tool) noexcept
     {
         return objects_[to_index(object)]->materials[tool];

@@ -18,7 +18,7 @@
 
 namespace proxima {
 
-/// Of a triangle, by its row in the index.
+/// A triangle, named by its row in the index.
 struct FeatureRow {
     std::array<std::uint32_t, 3> vertices = {};
     std::array<std::uint32_t, 3> edges = {}; ///< edge k joins corner k and corner k + 1
