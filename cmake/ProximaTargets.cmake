@@ -15,6 +15,11 @@ if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU" AND CMAKE_SYSTEM_PROCESSOR STREQUAL "x86
       -m${job}-strategy=unrolled_loop:1024:noalign,libcall:-1:noalign)
   endforeach()
 endif()
+if(CMAKE_SYSTEM_PROCESSOR STREQUAL "aarch64")
+  # Highway's NEON includes the instructions for AES, and g++ gives only some of a kernel's functions what it asks for. No
+  # code of ours uses them, so processors without AES are served, too.
+  target_compile_options(proxima_developer_options INTERFACE -march=armv8-a+crypto)
+endif()
 if(PROXIMA_SANITIZE)
   target_compile_options(proxima_developer_options INTERFACE
     -fsanitize=${PROXIMA_SANITIZE} -fno-omit-frame-pointer -fno-sanitize-recover=all)
@@ -53,10 +58,14 @@ endfunction()
 
 # Sources that Highway compiles once for every instruction set: each is a unit of its own in whole builds
 # that join sources (CMAKE_UNITY_BUILD). On x86 these are AVX-512, AVX2, SSE4 and no lanes, which is what the few
-# processors with SSSE3 and without SSE4 get, too.
+# processors with SSSE3 and without SSE4 get, too. On Arm it is NEON: lanes of SVE cannot lie in arrays, as kernels keep theirs.
 function(proxima_own_units)
+  set(unused HWY_SSSE3)
+  if(CMAKE_SYSTEM_PROCESSOR STREQUAL "aarch64")
+    set(unused "(HWY_SVE|HWY_SVE2|HWY_SVE_256|HWY_SVE2_128)")
+  endif()
   set_source_files_properties(${ARGN} PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON
-    COMPILE_DEFINITIONS HWY_DISABLED_TARGETS=HWY_SSSE3)
+    COMPILE_DEFINITIONS "HWY_DISABLED_TARGETS=${unused}")
 endfunction()
 
 # proxima_add_layer(NAME PUBLIC_HEADERS ... HEADERS ... SOURCES ... LINK ... PRIVATE_LINK ...)

@@ -7,11 +7,17 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <vector>
 
 namespace proxima::oracle {
 
+#ifdef __SIZEOF_FLOAT128__
 __extension__ using Quad = __float128;
+#else
+using Quad = long double; // on Arm
+static_assert(std::numeric_limits<Quad>::digits == 113);
+#endif
 
 struct QuadPoint {
     Quad x = 0;
