@@ -3,6 +3,9 @@ include(CMakePackageConfigHelpers)
 
 get_property(layers GLOBAL PROPERTY PROXIMA_LAYERS)
 install(TARGETS proxima ${layers} EXPORT proximaTargets FILE_SET HEADERS DESTINATION ${CMAKE_INSTALL_INCLUDEDIR})
+if(TARGET proxima_c)
+  install(TARGETS proxima_c EXPORT proximaTargets FILE_SET HEADERS DESTINATION ${CMAKE_INSTALL_INCLUDEDIR})
+endif()
 install(EXPORT proximaTargets NAMESPACE proxima:: DESTINATION ${CMAKE_INSTALL_LIBDIR}/cmake/proxima)
 configure_package_config_file(cmake/proximaConfig.cmake.in proximaConfig.cmake
   INSTALL_DESTINATION ${CMAKE_INSTALL_LIBDIR}/cmake/proxima)
@@ -28,3 +31,7 @@ cmake_path(APPEND PROXIMA_PC_INCLUDEDIR "\${prefix}" "${CMAKE_INSTALL_INCLUDEDIR
 cmake_path(APPEND PROXIMA_PC_LIBDIR "\${prefix}" "${CMAKE_INSTALL_LIBDIR}")
 configure_file(cmake/proxima.pc.in proxima.pc @ONLY)
 install(FILES ${PROJECT_BINARY_DIR}/proxima.pc DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig)
+if(TARGET proxima_c)
+  configure_file(cmake/proxima-c.pc.in proxima-c.pc @ONLY)
+  install(FILES ${PROJECT_BINARY_DIR}/proxima-c.pc DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig)
+endif()

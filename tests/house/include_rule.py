@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
 """The include rule: who may include whom.
 
-    base  geometry  mesh  minkowski  octree  index  query  haptics  thesis  lab  apps
-    <------------------------------------ a file includes its own folder and those to its left
+    base  geometry  mesh  minkowski  octree  index  query  haptics  thesis  lab  c  apps
+    <--------------------------------------- a file includes its own folder and those to its left
 
 The public headers, include/proxima, each belong to one of these layers. They include public headers
 of their own layer and those to its left, Eigen and the standard library only; result.h also
@@ -22,7 +22,7 @@ from pathlib import Path
 
 # Layers by rank: a layer may include layers of lower rank, and itself.
 RANK = {"base": 0, "geometry": 1, "mesh": 2, "minkowski": 3, "octree": 4,
-        "index": 5, "query": 6, "haptics": 7, "thesis": 8, "lab": 9, "apps": 10}
+        "index": 5, "query": 6, "haptics": 7, "thesis": 8, "lab": 9, "c": 10, "apps": 11}
 
 # Apps stand beside each other, but for those that may include another one. The program's main file
 # knows the commands of all.
@@ -50,6 +50,7 @@ PUBLIC = {
     "device.h": "haptics", "haptic_renderer.h": "haptics", "tool_renderer.h": "haptics", "touch_scene.h": "haptics",
 }
 EVERYTHING = Path("include/proxima/proxima.h")
+FOR_C = Path("include/proxima/c/proxima.h")
 PUBLIC_FOREIGN = {"result.h": {"tl"}}
 
 # Files outside base that are compiled once per instruction set.
@@ -84,7 +85,7 @@ def layer_of(path):
     """Layer of a path below the root, such as src/mesh/x.h, include/proxima/x.h or apps/cli/x.h."""
     parts = path.parts
     if is_public(path):
-        return PUBLIC.get(path.name)
+        return "c" if path == FOR_C else PUBLIC.get(path.name)
     return "apps" if parts[0] == "apps" else parts[1] if len(parts) > 2 else None
 
 
@@ -101,6 +102,8 @@ def foreign_problem(name, source):
     first, layer = name.split("/")[0], layer_of(source)
     if INTRINSICS.match(name):
         return intrinsics_problem(name)
+    if source == FOR_C:
+        return None if name in ("stddef.h", "stdint.h") else f"<{name}> is not for the header for C"
     if is_public(source) and ("/" in name or first in FOREIGN or name.endswith(".h")):
         allowed = first == "Eigen" or first in PUBLIC_FOREIGN.get(source.name, set())
         return None if allowed else f"<{name}> is not for public headers"

@@ -1,0 +1,370 @@
+/* The C interface as a C program uses it: every function once where it works and once where it must refuse, with answers
+ * that are known in advance.
+ *
+ *     c_interface_test FOLDER      writes files there; prints each check that fails; exit status 1 if any */
+#include "proxima/c/proxima.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+static int failures = 0;
+static int checks = 0;
+
+#define CHECK(holds)                                                                               \
+    do {                                                                                           \
+        ++checks;                                                                                  \
+        if (!(holds)) {                                                                            \
+            ++failures;                                                                            \
+            printf("%s:%d: %s; last message: %s\n", __FILE__, __LINE__, #holds,                    \
+                   proxima_error_message());                                                       \
+        }                                                                                          \
+    } while (0)
+
+/* The call fails with this status, and says why in these words. */
+#define REFUSES(call, status, words)                                                               \
+    do {                                                                                           \
+        CHECK((call) == (status));                                                                 \
+        CHECK(strstr(proxima_error_message(), (words)) != NULL);                                   \
+    } while (0)
+
+static int is_near(double value, double expected)
+{
+    return fabs(value - expected) <= 1e-12 * (1 + fabs(expected));
+}
+
+/* An octahedron's triangles are those of the points with |x| + |y| + |z| = 1. */
+static const double octahedron[] = {1, 0, 0, -1, 0, 0, 0, 1, 0, 0, -1, 0, 0, 0, 1, 0, 0, -1};
+static const uint32_t faces[] = {0, 2, 4, 2, 1, 4, 1, 3, 4, 3, 0, 4, 2, 0, 5, 1, 2, 5, 3, 1, 5, 0, 3, 5};
+
+static proxima_mesh* make_octahedron(void)
+{
+    proxima_mesh* mesh = NULL;
+    CHECK(proxima_mesh_create(octahedron, 6, faces, 8, &mesh) == PROXIMA_OK);
+    return mesh;
+}
+
+static proxima_index* index_of(const proxima_mesh* mesh)
+{
+    proxima_index* index = NULL;
+    CHECK(proxima_index_build(mesh, PROXIMA_SIGNS | PROXIMA_LISTS | PROXIMA_SLABS, NULL, &index) == PROXIMA_OK);
+    return index;
+}
+
+static void test_versions(void)
+{
+    CHECK(proxima_c_version() == PROXIMA_C_VERSION);
+    CHECK(strchr(proxima_version(), '.') != NULL);
+}
+
+static void test_meshes(const char* folder)
+{
+    char path[1024];
+    double lower[3], upper[3];
+    proxima_mesh* read = NULL;
+    proxima_mesh* mesh = make_octahedron();
+    CHECK(proxima_mesh_vertex_count(mesh) == 6 && proxima_mesh_triangle_count(mesh) == 8);
+    CHECK(memcmp(proxima_mesh_vertices(mesh), octahedron, sizeof octahedron) == 0);
+    CHECK(memcmp(proxima_mesh_triangles(mesh), faces, sizeof faces) == 0);
+    CHECK(proxima_mesh_bounds(mesh, lower, upper) == PROXIMA_OK && lower[2] == -1 && upper[1] == 1);
+
+    snprintf(path, sizeof path, "%s/octahedron.ply", folder);
+    CHECK(proxima_mesh_write(mesh, path) == PROXIMA_OK);
+    CHECK(proxima_mesh_read(path, &read) == PROXIMA_OK);
+    CHECK(memcmp(proxima_mesh_vertices(read), octahedron, sizeof octahedron) == 0);
+    proxima_mesh_destroy(read);
+    read = NULL;
+    snprintf(path, sizeof path, "%s/missing/octahedron.ply", folder);
+    REFUSES(proxima_mesh_write(mesh, path), PROXIMA_FILE_NOT_WRITABLE, "missing");
+    REFUSES(proxima_mesh_read(path, &read), PROXIMA_FILE_NOT_FOUND, "missing");
+    REFUSES(proxima_mesh_write(mesh, "a.xyz"), PROXIMA_UNSUPPORTED_FORMAT, "a.xyz");
+    CHECK(read == NULL);
+    proxima_mesh_destroy(mesh);
+
+    CHECK(proxima_mesh_sample("icosphere:2", &mesh) == PROXIMA_OK && proxima_mesh_triangle_count(mesh) == 320);
+    proxima_mesh_destroy(mesh);
+    REFUSES(proxima_mesh_sample("teapot", &mesh), PROXIMA_INVALID_ARGUMENT, "teapot");
+
+    const uint32_t beyond[] = {0, 1, 6};
+    REFUSES(proxima_mesh_create(octahedron, 6, beyond, 1, &mesh), PROXIMA_INVALID_MESH, "6");
+    REFUSES(proxima_mesh_create(NULL, 6, faces, 8, &mesh), PROXIMA_INVALID_ARGUMENT, "NULL");
+    REFUSES(proxima_mesh_create(octahedron, 6, faces, 8, NULL), PROXIMA_INVALID_ARGUMENT, "NULL");
+
+    /* Kept as a value, refused by what computes with it. */
+    const double bad[] = {0, 0, 0, 1, 0, 0, 0, NAN, 0};
+    const uint32_t one[] = {0, 1, 2};
+    proxima_index* index = NULL;
+    CHECK(proxima_mesh_create(bad, 3, one, 1, &mesh) == PROXIMA_OK);
+    REFUSES(proxima_mesh_bounds(mesh, lower, upper), PROXIMA_INVALID_MESH, "vertex 2");
+    REFUSES(proxima_index_build(mesh, 0, NULL, &index), PROXIMA_INVALID_MESH, "vertex 2");
+    proxima_mesh_destroy(mesh);
+    CHECK(proxima_mesh_create(NULL, 0, NULL, 0, &mesh) == PROXIMA_OK);
+    CHECK(proxima_mesh_vertices(mesh) == NULL && proxima_mesh_triangles(mesh) == NULL);
+    REFUSES(proxima_index_build(mesh, 0, NULL, &index), PROXIMA_INVALID_MESH, "");
+    proxima_mesh_destroy(mesh);
+    proxima_mesh_destroy(NULL);
+}
+
+static void test_index(const char* folder)
+{
+    char path[1024];
+    proxima_mesh* mesh = make_octahedron();
+    proxima_index* index = index_of(mesh);
+    proxima_index* loaded = NULL;
+    proxima_mesh* again = NULL;
+    proxima_mesh_destroy(mesh);
+    CHECK(proxima_index_triangle_count(index) == 8 && proxima_index_bytes(index) > 8 * 9 * sizeof(double));
+    CHECK(proxima_index_additions(index) == (PROXIMA_SIGNS | PROXIMA_LISTS | PROXIMA_SLABS));
+    snprintf(path, sizeof path, "%s/octahedron.pxi", folder);
+    CHECK(proxima_index_save(index, path) == PROXIMA_OK);
+    CHECK(proxima_index_load(path, &loaded) == PROXIMA_OK);
+    CHECK(proxima_index_additions(loaded) == proxima_index_additions(index));
+    CHECK(proxima_index_mesh(loaded, &again) == PROXIMA_OK);
+    CHECK(memcmp(proxima_mesh_vertices(again), octahedron, sizeof octahedron) == 0);
+    REFUSES(proxima_index_build(again, 8, NULL, &loaded), PROXIMA_INVALID_ARGUMENT, "additions");
+    proxima_mesh_destroy(again);
+    proxima_index_destroy(loaded);
+    proxima_index_destroy(index);
+    snprintf(path, sizeof path, "%s/octahedron.ply", folder);
+    REFUSES(proxima_index_load(path, &loaded), PROXIMA_UNSUPPORTED_FORMAT, "octahedron.ply");
+}
+
+static void test_execution(void)
+{
+    proxima_mesh* mesh = NULL;
+    proxima_index* index = NULL;
+    proxima_progress* progress = NULL;
+    CHECK(proxima_mesh_sample("icosphere:4", &mesh) == PROXIMA_OK);
+    CHECK(proxima_progress_create(&progress) == PROXIMA_OK);
+    CHECK(strcmp(proxima_progress_stage(progress), "") == 0);
+    proxima_execution execution = {2, 0, progress};
+    CHECK(proxima_index_build(mesh, 0, &execution, &index) == PROXIMA_OK);
+    CHECK(strcmp(proxima_progress_stage(progress), "") != 0 && proxima_progress_fraction(progress) == 1);
+    proxima_index_destroy(index);
+    proxima_progress_cancel(progress);
+    REFUSES(proxima_index_build(mesh, 0, &execution, &index), PROXIMA_CANCELLED, "");
+    proxima_progress_destroy(progress);
+    proxima_execution small = {0, 1000, NULL};
+    REFUSES(proxima_index_build(mesh, 0, &small, &index), PROXIMA_BUDGET_EXCEEDED, "");
+    proxima_mesh_destroy(mesh);
+}
+
+static void test_closest(void)
+{
+    proxima_mesh* mesh = make_octahedron();
+    proxima_index* index = index_of(mesh);
+    proxima_index* plain = NULL;
+    const double points[] = {2, 0, 0, 0.5, 0.5, 2, 1, 1, 1, 0, 0, 0.25};
+    proxima_closest closest, many[4];
+    double squared[4], distances[4], distance;
+    uint32_t triangles[4];
+    CHECK(proxima_index_build(mesh, 0, NULL, &plain) == PROXIMA_OK);
+
+    CHECK(proxima_closest_feature(index, points, INFINITY, &closest) == PROXIMA_OK);
+    CHECK(closest.kind == PROXIMA_VERTEX && closest.feature == 0 && closest.squared_distance == 1 && closest.triangle == 0);
+    CHECK(closest.point[0] == 1 && closest.point[1] == 0 && closest.point[2] == 0);
+    CHECK(proxima_closest_feature(index, points + 6, INFINITY, &closest) == PROXIMA_OK);
+    CHECK(closest.kind == PROXIMA_FACE && closest.feature == 0 && is_near(closest.squared_distance, 4.0 / 3));
+    CHECK(is_near(closest.barycentric[0], 1.0 / 3) && is_near(closest.point[2], 1.0 / 3));
+    CHECK(proxima_closest_feature(index, points, 0.5, &closest) == PROXIMA_OK);
+    CHECK(closest.triangle == PROXIMA_NONE && isnan(closest.squared_distance));
+    const double nowhere[] = {0, NAN, 0};
+    REFUSES(proxima_closest_feature(index, nowhere, INFINITY, &closest), PROXIMA_INVALID_ARGUMENT, "finite");
+
+    CHECK(proxima_closest_features(index, points, 4, NULL, many, squared, triangles) == PROXIMA_OK);
+    for (int i = 0; i < 4; ++i) {
+        CHECK(proxima_closest_feature(plain, points + 3 * i, INFINITY, &closest) == PROXIMA_OK);
+        CHECK(memcmp(&closest, &many[i], sizeof closest) == 0);
+        CHECK(squared[i] == closest.squared_distance && triangles[i] == closest.triangle);
+    }
+    CHECK(proxima_closest_features(index, points, 4, NULL, NULL, NULL, triangles) == PROXIMA_OK);
+    CHECK(proxima_closest_features(index, NULL, 0, NULL, NULL, NULL, NULL) == PROXIMA_OK);
+    REFUSES(proxima_closest_features(index, nowhere, 1, NULL, NULL, squared, NULL), PROXIMA_INVALID_ARGUMENT, "point 0");
+
+    CHECK(proxima_signed_distances(index, points, 4, NULL, distances) == PROXIMA_OK);
+    CHECK(distances[0] == 1 && is_near(distances[3], -0.75 / sqrt(3)));
+    for (int i = 0; i < 4; ++i) {
+        CHECK(proxima_signed_distance(index, points + 3 * i, &distance) == PROXIMA_OK);
+        CHECK(distance == distances[i]);
+    }
+    REFUSES(proxima_signed_distance(plain, points, &distance), PROXIMA_INVALID_ARGUMENT, "signs");
+    REFUSES(proxima_signed_distances(plain, points, 4, NULL, distances), PROXIMA_INVALID_ARGUMENT, "signs");
+    proxima_index_destroy(plain);
+    proxima_index_destroy(index);
+    proxima_mesh_destroy(mesh);
+}
+
+static void test_rays(void)
+{
+    proxima_mesh* mesh = make_octahedron();
+    proxima_index* index = index_of(mesh);
+    const proxima_ray rays[] = {{{0.25, 0.25, 5}, {0, 0, -2}, 0, INFINITY},
+                                {{0.25, 0.25, 5}, {0, 0, 1}, 0, INFINITY},
+                                {{0.25, 0.25, 0}, {0, 0, 1}, 0, INFINITY}};
+    const proxima_ray none = {{0, 0, 0}, {0, 0, 0}, 0, 1};
+    proxima_hit hit, hits[3];
+    uint8_t any[3];
+    size_t count = 0;
+    CHECK(proxima_first_hit(index, &rays[0], PROXIMA_BOTH, &hit) == PROXIMA_OK);
+    CHECK(hit.triangle == 0 && hit.t == 2.25 && is_near(hit.u, 0.25) && is_near(hit.v, 0.5));
+    CHECK(proxima_first_hit(index, &rays[0], PROXIMA_BACK, &hit) == PROXIMA_OK && hit.triangle == 4 && hit.t == 2.75);
+    CHECK(proxima_first_hits(index, rays, 3, PROXIMA_BOTH, NULL, hits) == PROXIMA_OK);
+    CHECK(hits[0].t == 2.25 && hits[1].triangle == PROXIMA_NONE && isinf(hits[1].t) && hits[2].t == 0.5);
+    CHECK(proxima_any_hits(index, rays, 3, PROXIMA_FRONT, NULL, any) == PROXIMA_OK);
+    CHECK(any[0] == 1 && any[1] == 0 && any[2] == 0);
+    CHECK(proxima_all_hits(index, &rays[0], PROXIMA_BOTH, hits, 1, &count) == PROXIMA_OK);
+    CHECK(count == 2 && hits[0].t == 2.25 && hits[1].triangle == PROXIMA_NONE);
+    CHECK(proxima_all_hits(index, &rays[0], PROXIMA_BOTH, hits, 3, &count) == PROXIMA_OK && hits[1].t == 2.75);
+    CHECK(proxima_all_hits(index, &rays[1], PROXIMA_BOTH, NULL, 0, &count) == PROXIMA_OK && count == 0);
+    REFUSES(proxima_first_hit(index, &none, PROXIMA_BOTH, &hit), PROXIMA_INVALID_ARGUMENT, "direction");
+    REFUSES(proxima_first_hits(index, &none, 1, PROXIMA_BOTH, NULL, hits), PROXIMA_INVALID_ARGUMENT, "ray 0");
+    REFUSES(proxima_any_hits(index, rays, 3, (proxima_faces)3, NULL, any), PROXIMA_INVALID_ARGUMENT, "faces");
+    proxima_index_destroy(index);
+    proxima_mesh_destroy(mesh);
+}
+
+static void test_two_meshes(void)
+{
+    proxima_mesh* mesh = make_octahedron();
+    proxima_index* index = index_of(mesh);
+    double pose[] = {1, 0, 0, 5, 0, 1, 0, 0, 0, 0, 1, 0};
+    proxima_distance distance;
+    uint32_t pairs[64];
+    size_t count = 0;
+    int32_t meet = -1;
+    CHECK(proxima_meshes_intersect(index, index, pose, &meet) == PROXIMA_OK && meet == 0);
+    CHECK(proxima_mesh_distance(index, index, pose, INFINITY, &distance) == PROXIMA_OK);
+    CHECK(distance.distance == 3 && distance.point_a[0] == 1 && distance.point_b[0] == 4);
+    CHECK(proxima_mesh_distance(index, index, pose, 2, &distance) == PROXIMA_OK);
+    CHECK(isinf(distance.distance) && distance.triangle_a == PROXIMA_NONE);
+    pose[3] = 2; /* a corner at a corner */
+    CHECK(proxima_meshes_intersect(index, index, pose, &meet) == PROXIMA_OK && meet == 1);
+    CHECK(proxima_intersecting_pairs(index, index, pose, pairs, 32, &count) == PROXIMA_OK && count == 16);
+    CHECK(pairs[0] == 0 && pairs[1] == 1);
+    CHECK(proxima_intersecting_pairs(index, index, pose, NULL, 0, &count) == PROXIMA_OK && count == 16);
+    CHECK(proxima_meshes_intersect(index, index, NULL, &meet) == PROXIMA_OK && meet == 1);
+    pose[0] = 2;
+    REFUSES(proxima_meshes_intersect(index, index, pose, &meet), PROXIMA_INVALID_ARGUMENT, "");
+    REFUSES(proxima_intersecting_pairs(index, index, pose, pairs, 32, &count), PROXIMA_INVALID_ARGUMENT, "");
+    REFUSES(proxima_mesh_distance(index, NULL, NULL, 1, &distance), PROXIMA_INVALID_ARGUMENT, "NULL");
+
+    const double planes[] = {1, 0, 0, -0.5, 0, 1, 0, -0.25}; /* x >= 0.5, y >= 0.25 */
+    uint32_t ids[8];
+    CHECK(proxima_visible_triangles(index, planes, 2, 1, ids, 8, &count) == PROXIMA_OK);
+    CHECK(count == 2 && ((ids[0] == 0 && ids[1] == 4) || (ids[0] == 4 && ids[1] == 0)));
+    CHECK(proxima_visible_triangles(index, planes, 2, 0, NULL, 0, &count) == PROXIMA_OK && count >= 2);
+    REFUSES(proxima_visible_triangles(index, NULL, 2, 1, ids, 8, &count), PROXIMA_INVALID_ARGUMENT, "NULL");
+    proxima_index_destroy(index);
+    proxima_mesh_destroy(mesh);
+}
+
+/* A block of 0.1 m, pressed from above: after a second the force is that of the spring. */
+static void test_touch(void)
+{
+    const double lower[] = {-1, -1, -1}, upper[] = {1, 1, 1};
+    proxima_mesh* cube = NULL;
+    proxima_mesh* block = NULL;
+    proxima_body* body = NULL;
+    proxima_scene* scene = NULL;
+    proxima_renderer* renderer = NULL;
+    proxima_device_limits limits;
+    proxima_workspace workspace;
+    proxima_render_options options;
+    proxima_tick tick;
+    uint32_t object = 7;
+    double corners[24];
+    CHECK(proxima_mesh_sample("cube", &cube) == PROXIMA_OK && proxima_mesh_vertex_count(cube) == 8);
+    double low[3], high[3];
+    CHECK(proxima_mesh_bounds(cube, low, high) == PROXIMA_OK);
+    for (int i = 0; i < 24; ++i) {
+        const double at = (proxima_mesh_vertices(cube)[i] - low[i % 3]) / (high[i % 3] - low[i % 3]);
+        corners[i] = 0.1 * at - 0.05;
+    }
+    CHECK(proxima_mesh_create(corners, 8, proxima_mesh_triangles(cube), proxima_mesh_triangle_count(cube), &block) == PROXIMA_OK);
+
+    const proxima_material material = {300, 1, 0.2, 0.1}, wrong = {300, 1, 0.1, 0.2};
+    REFUSES(proxima_body_create(block, &wrong, &body), PROXIMA_INVALID_ARGUMENT, "friction");
+    CHECK(proxima_body_create(block, &material, &body) == PROXIMA_OK);
+    REFUSES(proxima_scene_create(upper, lower, &scene), PROXIMA_INVALID_ARGUMENT, "box");
+    CHECK(proxima_scene_create(lower, upper, &scene) == PROXIMA_OK);
+    CHECK(proxima_scene_add(scene, body, NULL, &object) == PROXIMA_OK && object == 0);
+    CHECK(proxima_device_limits_of("omega", &limits) == PROXIMA_OK && limits.max_stiffness > 300);
+    REFUSES(proxima_device_limits_of("glove", &limits), PROXIMA_INVALID_ARGUMENT, "omega");
+    CHECK(proxima_fit_workspace(lower, upper, limits.workspace_radius, &workspace) == PROXIMA_OK);
+    CHECK(is_near(workspace.units_per_metre, sqrt(3.0) / (0.6 * limits.workspace_radius)));
+    REFUSES(proxima_fit_workspace(lower, upper, 0, &workspace), PROXIMA_INVALID_ARGUMENT, "radius");
+    workspace.units_per_metre = 1;
+    proxima_render_options_default(&options);
+    CHECK(options.guard == PROXIMA_GUARD_ON && options.proxy_radius == 0);
+    options.guard = 5;
+    REFUSES(proxima_renderer_create(scene, &workspace, &limits, &options, &renderer), PROXIMA_INVALID_ARGUMENT, "guard");
+    CHECK(proxima_renderer_create(scene, &workspace, &limits, NULL, &renderer) == PROXIMA_OK);
+    /* What they were made from is not needed any longer. */
+    proxima_body_destroy(body);
+    proxima_mesh_destroy(block);
+    proxima_mesh_destroy(cube);
+
+    double at[] = {0.01, 0.01, 0.06};
+    for (int i = 0; i < 300; ++i) {
+        CHECK(proxima_renderer_tick(renderer, at, NULL, 1e-3, &tick) == PROXIMA_OK);
+        CHECK(tick.force[2] == 0 && tick.holds == 0 && tick.is_placed == 1);
+    }
+    for (int i = 0; i < 1000; ++i) {
+        if (at[2] > 0.048) at[2] -= 1e-4;
+        CHECK(proxima_renderer_tick(renderer, at, NULL, 1e-3, &tick) == PROXIMA_OK);
+    }
+    CHECK(fabs(tick.force[2] - 300 * (0.05 - at[2])) < 1e-3 && fabs(tick.force[0]) < 1e-3);
+    CHECK(tick.holds == 2 && tick.contact_count == 1 && tick.contacts[0].object == 0 && tick.contacts[0].normal[2] > 0.999999);
+    CHECK(fabs(tick.proxy[2] - 0.05) < 1e-6 && is_near(tick.normal[2], 1));
+
+    /* The block sinks by a centimetre in half a second: then nothing is touched. */
+    const proxima_motion motion = {{1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, -0.01}, 0.5, {0, 0, 0}, {0, 0, 0}, 0};
+    CHECK(proxima_scene_move(scene, 0, &motion) == PROXIMA_OK);
+    REFUSES(proxima_scene_move(scene, 1, &motion), PROXIMA_INVALID_ARGUMENT, "object");
+    proxima_scene_destroy(scene); /* the renderer holds on to it */
+    for (int i = 0; i < 600; ++i) CHECK(proxima_renderer_tick(renderer, at, NULL, 1e-3, &tick) == PROXIMA_OK);
+    CHECK(tick.force[2] == 0 && tick.holds == 0);
+    CHECK(proxima_renderer_reset(renderer) == PROXIMA_OK);
+    const double lost[] = {NAN, 0, 0};
+    CHECK(proxima_renderer_tick(renderer, at, at, 1e-3, &tick) == PROXIMA_OK && tick.fault == 0);
+    CHECK(proxima_renderer_tick(renderer, lost, NULL, 1e-3, &tick) == PROXIMA_OK && tick.fault == 1);
+    REFUSES(proxima_renderer_tick(renderer, at, NULL, 0, &tick), PROXIMA_INVALID_ARGUMENT, "seconds");
+    proxima_renderer_destroy(renderer);
+}
+
+static void test_exchange(void)
+{
+    const double lower[] = {-2, -2, -2}, upper[] = {2, 2, 2};
+    proxima_mesh* mesh = make_octahedron();
+    proxima_body* body = NULL;
+    proxima_scene* scene = NULL;
+    uint32_t object;
+    const double out[] = {1, 0, 0, 1.5, 0, 1, 0, 0, 0, 0, 1, 0};
+    CHECK(proxima_body_create(mesh, NULL, &body) == PROXIMA_OK);
+    CHECK(proxima_scene_create(lower, upper, &scene) == PROXIMA_OK);
+    REFUSES(proxima_scene_add(scene, body, out, &object), PROXIMA_INVALID_ARGUMENT, "bounds");
+    REFUSES(proxima_scene_exchange(scene, 0, body), PROXIMA_INVALID_ARGUMENT, "object");
+    CHECK(proxima_scene_add(scene, body, NULL, &object) == PROXIMA_OK);
+    CHECK(proxima_scene_exchange(scene, object, body) == PROXIMA_OK);
+    proxima_scene_destroy(scene);
+    proxima_body_destroy(body);
+    proxima_mesh_destroy(mesh);
+}
+
+int main(int argc, char** argv)
+{
+    const char* folder = argc > 1 ? argv[1] : ".";
+    CHECK(strcmp(proxima_error_message(), "") == 0);
+    test_versions();
+    test_meshes(folder);
+    test_index(folder);
+    test_execution();
+    test_closest();
+    test_rays();
+    test_two_meshes();
+    test_touch();
+    test_exchange();
+    printf("%d checks, %d failed\n", checks, failures);
+    return failures == 0 ? 0 : 1;
+}
