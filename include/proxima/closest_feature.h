@@ -16,6 +16,7 @@
 #pragma once
 
 #include "proxima/execution.h"
+#include "proxima/export.h"
 #include "proxima/geometry.h"
 #include "proxima/mesh_index.h"
 #include "proxima/result.h"
@@ -29,7 +30,7 @@
 #include <optional>
 #include <span>
 
-namespace proxima {
+namespace PROXIMA_EXPORT proxima {
 
 /// The feature of a mesh closest to a point. Lengths in the mesh's unit.
 struct ClosestFeature {

@@ -21,6 +21,7 @@
 
 #include "proxima/closest_feature.h"
 #include "proxima/execution.h"
+#include "proxima/export.h"
 #include "proxima/geometry.h"
 #include "proxima/mesh_index.h"
 #include "proxima/result.h"
@@ -30,7 +31,7 @@
 #include <span>
 #include <string_view>
 
-namespace proxima {
+namespace PROXIMA_EXPORT proxima {
 
 /// How a sign was found.
 enum class SignMethod : std::uint8_t {
