@@ -66,6 +66,7 @@ sign_of(const MeshIndex& index, const ClosestFeature& closest, const Vec3& p) no
 /// Where a batch writes: each span is empty or has an element for every point.
 struct SignedOutputs {
     std::span<double> distances = {};
+    std::span<SignMethod> methods = {};
     std::span<SignedDistance> answers = {}; ///< in full
 };
 
