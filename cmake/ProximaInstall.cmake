@@ -1,8 +1,15 @@
 # Installation, the package that find_package(proxima) loads, and its twin for pkg-config.
 include(CMakePackageConfigHelpers)
 
-get_property(layers GLOBAL PROPERTY PROXIMA_LAYERS)
-install(TARGETS proxima ${layers} EXPORT proximaTargets FILE_SET HEADERS DESTINATION ${CMAKE_INSTALL_INCLUDEDIR})
+if(BUILD_SHARED_LIBS)
+  set(libraries proxima_shared)
+  if(PROXIMA_WITH_ASSIMP)
+    install(TARGETS proxima_scene_library LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR}/proxima)
+  endif()
+else()
+  get_property(libraries GLOBAL PROPERTY PROXIMA_LAYERS)
+endif()
+install(TARGETS proxima ${libraries} EXPORT proximaTargets FILE_SET HEADERS DESTINATION ${CMAKE_INSTALL_INCLUDEDIR})
 if(TARGET proxima_c)
   install(TARGETS proxima_c EXPORT proximaTargets FILE_SET HEADERS DESTINATION ${CMAKE_INSTALL_INCLUDEDIR})
 endif()
@@ -13,17 +20,21 @@ write_basic_package_version_file(proximaConfigVersion.cmake COMPATIBILITY SameMi
 install(FILES ${PROJECT_BINARY_DIR}/proximaConfig.cmake ${PROJECT_BINARY_DIR}/proximaConfigVersion.cmake
   DESTINATION ${CMAKE_INSTALL_LIBDIR}/cmake/proxima)
 
-# The libraries are static: a layer comes before those it uses, and theirs follow by Requires.
-set(PROXIMA_PC_LIBS "")
-foreach(layer IN LISTS layers)
-  get_target_property(type ${layer} TYPE)
-  if(type STREQUAL "STATIC_LIBRARY")
+# Static libraries: a layer comes before those it uses, and theirs follow by Requires.
+set(PROXIMA_PC_REQUIRES "eigen3")
+if(BUILD_SHARED_LIBS)
+  set(PROXIMA_PC_LIBS "-lproxima")
+else()
+  set(PROXIMA_PC_LIBS "")
+  foreach(layer IN LISTS libraries)
     string(PREPEND PROXIMA_PC_LIBS "-l${layer} ")
+  endforeach()
+  string(APPEND PROXIMA_PC_REQUIRES ", tbb, libhwy, libxxhash")
+  if(PROXIMA_WITH_ASSIMP)
+    # Layers mesh and scenes use each other.
+    set(PROXIMA_PC_LIBS "-Wl,--as-needed -Wl,--start-group ${PROXIMA_PC_LIBS}-Wl,--end-group")
+    string(APPEND PROXIMA_PC_REQUIRES ", assimp")
   endif()
-endforeach()
-set(PROXIMA_PC_REQUIRES "eigen3, tbb, libhwy, libxxhash")
-if(PROXIMA_WITH_ASSIMP)
-  string(APPEND PROXIMA_PC_REQUIRES ", assimp")
 endif()
 # Relative to the file itself: the installed tree may be moved.
 file(RELATIVE_PATH PROXIMA_PC_PREFIX "/${CMAKE_INSTALL_LIBDIR}/pkgconfig" "/")

@@ -38,6 +38,18 @@ function(proxima_precompile target)
   endif()
 endfunction()
 
+# Objects that a shared library may take: position-independent, and exporting only what says so (proxima/export.h).
+function(proxima_fit_for_shared_libraries target)
+  set_target_properties(${target} PROPERTIES POSITION_INDEPENDENT_CODE ON
+    CXX_VISIBILITY_PRESET hidden VISIBILITY_INLINES_HIDDEN ON)
+endfunction()
+
+# Of a shared library: exports what a version script says, and lacks no symbol.
+function(proxima_export_by target script)
+  target_link_options(${target} PRIVATE LINKER:--version-script=${script} LINKER:--no-undefined LINKER:-z,relro,-z,now)
+  set_property(TARGET ${target} APPEND PROPERTY LINK_DEPENDS ${script})
+endfunction()
+
 # The same for all position-independent targets that see Eigen: the geometry layer compiles these headers for
 # itself and for those after it.
 function(proxima_share_headers target)
@@ -46,7 +58,7 @@ function(proxima_share_headers target)
   elseif(PROXIMA_PRECOMPILE_HEADERS)
     target_precompile_headers(${target} REUSE_FROM proxima_geometry)
   endif()
-  set_target_properties(${target} PROPERTIES POSITION_INDEPENDENT_CODE ON)
+  proxima_fit_for_shared_libraries(${target})
 endfunction()
 
 # Optimised little: for code that runs once, much of it other libraries' templates. g++ takes the level of
@@ -69,8 +81,8 @@ function(proxima_own_units)
 endfunction()
 
 # proxima_add_layer(NAME PUBLIC_HEADERS ... HEADERS ... SOURCES ... LINK ... PRIVATE_LINK ...)
-# One static library per layer: target proxima_NAME, exported as proxima::NAME. Public headers lie in
-# include/proxima and are installed; the others are for the project itself.
+# One static library per layer: target proxima_NAME, proxima::NAME for users of static libraries. Public headers lie
+# in include/proxima and are installed; the others are for the project itself.
 function(proxima_add_layer name)
   cmake_parse_arguments(ARG "" "" "PUBLIC_HEADERS;HEADERS;SOURCES;LINK;PRIVATE_LINK" ${ARGN})
   set(target proxima_${name})
@@ -84,11 +96,19 @@ function(proxima_add_layer name)
     PRIVATE ${PROJECT_SOURCE_DIR}/include)
   target_link_libraries(${target} PUBLIC ${ARG_LINK}
     PRIVATE ${ARG_PRIVATE_LINK} $<BUILD_INTERFACE:proxima_developer_options>)
-  set_target_properties(${target} PROPERTIES EXPORT_NAME ${name} POSITION_INDEPENDENT_CODE ON)
-  if(NOT name STREQUAL "base")
+  set_target_properties(${target} PROPERTIES EXPORT_NAME ${name})
+  if(name STREQUAL "base")
+    proxima_fit_for_shared_libraries(${target})
+  else()
     proxima_share_headers(${target})
   endif()
   set_property(GLOBAL APPEND PROPERTY PROXIMA_LAYERS ${target})
+  if(ARG_PUBLIC_HEADERS) # for the shared library
+    set_property(GLOBAL APPEND PROPERTY PROXIMA_PUBLIC_HEADERS ${ARG_PUBLIC_HEADERS})
+    list(FILTER ARG_LINK EXCLUDE REGEX "^proxima::")
+    set_property(GLOBAL APPEND PROPERTY PROXIMA_LINKS ${ARG_LINK})
+    set_property(GLOBAL APPEND PROPERTY PROXIMA_PRIVATE_LINKS ${ARG_PRIVATE_LINK})
+  endif()
 
   # The internal headers, each compiled alone by the build preset `headers` like the public ones.
   add_library(${target}_internal INTERFACE)

@@ -15,6 +15,7 @@
 #pragma once
 
 #include "proxima/execution.h"
+#include "proxima/export.h"
 #include "proxima/function_ref.h"
 #include "proxima/geometry.h"
 #include "proxima/mesh_index.h"
@@ -27,7 +28,7 @@
 #include <span>
 #include <vector>
 
-namespace proxima {
+namespace PROXIMA_EXPORT proxima {
 
 /// A point of a triangle on a ray: P = (1 - u - v) v0 + u v1 + v v2 = origin + t direction.
 struct RayHit {

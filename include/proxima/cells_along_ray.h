@@ -10,13 +10,14 @@
 // that this can be, is 1 through the middle of the cell and 0 along its border.
 #pragma once
 
+#include "proxima/export.h"
 #include "proxima/function_ref.h"
 #include "proxima/geometry.h"
 #include "proxima/octree.h"
 
 #include <vector>
 
-namespace proxima {
+namespace PROXIMA_EXPORT proxima {
 
 /// A leaf, empty or not, and the stretch of the ray in it.
 struct CellOnRay {

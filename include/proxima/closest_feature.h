@@ -16,6 +16,7 @@
 #pragma once
 
 #include "proxima/execution.h"
+#include "proxima/export.h"
 #include "proxima/geometry.h"
 #include "proxima/mesh_index.h"
 #include "proxima/result.h"
@@ -29,7 +30,7 @@
 #include <optional>
 #include <span>
 
-namespace proxima {
+namespace PROXIMA_EXPORT proxima {
 
 /// The feature of a mesh closest to a point. Lengths in the mesh's unit.
 struct ClosestFeature {
@@ -93,6 +94,11 @@ struct ClosestOutputs {
     std::span<ClosestFeature> answers = {};   ///< in full
     std::span<double> squared_distances = {}; ///< these and triangles alone are quicker
     std::span<TriangleId> triangles = {};
+    std::span<double> distances = {}; ///< the roots of squared distances
+    std::span<Vec3> points = {};
+    std::span<FeatureKind> feature_kinds = {};
+    std::span<std::uint32_t> feature_ids = {};
+    std::span<std::array<double, 3>> barycentrics = {};
 };
 
 /// closest_feature() of many points, several at a time, so that their memory accesses overlap, and

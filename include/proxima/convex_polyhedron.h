@@ -19,6 +19,7 @@
 #pragma once
 
 #include "proxima/execution.h"
+#include "proxima/export.h"
 #include "proxima/geometry.h"
 #include "proxima/result.h"
 #include "proxima/triangle_mesh.h"
@@ -30,7 +31,7 @@
 #include <span>
 #include <vector>
 
-namespace proxima {
+namespace PROXIMA_EXPORT proxima {
 
 /// The closed half-space normal . x <= offset.
 struct HalfSpace {

@@ -9,6 +9,7 @@
 // comparisons. Occlusion is not tested. Nothing is kept from one query to the next.
 #pragma once
 
+#include "proxima/export.h"
 #include "proxima/function_ref.h"
 #include "proxima/mesh_index.h"
 #include "proxima/octree.h"
@@ -20,7 +21,7 @@
 #include <span>
 #include <vector>
 
-namespace proxima {
+namespace PROXIMA_EXPORT proxima {
 
 /// What counts as visible. Both answers are exact for the doubles of planes and positions.
 enum class CullMode : std::uint8_t {

@@ -15,6 +15,7 @@
 // info(), read() and write() are all that it needs.
 #pragma once
 
+#include "proxima/export.h"
 #include "proxima/function_ref.h"
 #include "proxima/geometry.h"
 #include "proxima/result.h"
@@ -28,7 +29,7 @@
 #include <string>
 #include <string_view>
 
-namespace proxima {
+namespace PROXIMA_EXPORT proxima {
 
 class HapticRenderer;
 class InputGuard;

@@ -9,10 +9,12 @@
 // depend on it: they have the same bits for every number of threads.
 #pragma once
 
+#include "proxima/export.h"
+
 #include <atomic>
 #include <cstdint>
 
-namespace proxima {
+namespace PROXIMA_EXPORT proxima {
 
 /// How many threads an operation may use. 0 = all that the machine offers.
 struct Threads {

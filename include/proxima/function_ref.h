@@ -7,13 +7,15 @@
 //     visit(index, box, first_ten);    // void visit(..., FunctionRef<Flow(TriangleId)> visitor)
 #pragma once
 
+#include "proxima/export.h"
+
 #include <concepts>
 #include <cstdint>
 #include <memory>
 #include <type_traits>
 #include <utility>
 
-namespace proxima {
+namespace PROXIMA_EXPORT proxima {
 
 /// What a visitor, or a tick of a loop, answers: whether there is to be another call.
 enum class Flow : std::uint8_t { proceed, stop };
@@ -35,10 +37,7 @@ public:
         FunctionRef(Callable&& callable)
     noexcept
         : object_(const_cast<void*>(static_cast<const void*>(std::addressof(callable)))),
-          call_([](void* object, Arguments... arguments) -> Return {
-              return (*static_cast<std::remove_reference_t<Callable>*>(object))(
-                  std::forward<Arguments>(arguments)...);
-          })
+          call_(&call<std::remove_reference_t<Callable>>)
     {}
 
     /// Calls the callable, which may throw what it likes.
@@ -48,6 +47,12 @@ public:
     }
 
 private:
+    template <class Callable>
+    static Return call(void* object, Arguments... arguments)
+    {
+        return (*static_cast<Callable*>(object))(std::forward<Arguments>(arguments)...);
+    }
+
     void* object_;
     Return (*call_)(void*, Arguments...);
 };

@@ -3,6 +3,7 @@
 // Vectors are Eigen's. All shapes are closed sets. Coordinates are doubles in the mesh's own unit.
 #pragma once
 
+#include "proxima/export.h"
 #include "proxima/result.h"
 
 #include <Eigen/Core>
@@ -13,7 +14,7 @@
 #include <limits>
 #include <span>
 
-namespace proxima {
+namespace PROXIMA_EXPORT proxima {
 
 using Vec2 = Eigen::Vector2d;
 using Vec3 = Eigen::Vector3d;

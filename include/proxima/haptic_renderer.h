@@ -25,6 +25,7 @@
 #pragma once
 
 #include "proxima/device.h"
+#include "proxima/export.h"
 #include "proxima/geometry.h"
 #include "proxima/result.h"
 #include "proxima/touch_scene.h"
@@ -36,7 +37,7 @@
 #include <memory>
 #include <span>
 
-namespace proxima {
+namespace PROXIMA_EXPORT proxima {
 
 class MeshIndex;
 class SurfaceRenderer;

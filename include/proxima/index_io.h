@@ -8,6 +8,7 @@
 #pragma once
 
 #include "proxima/execution.h"
+#include "proxima/export.h"
 #include "proxima/mesh_index.h"
 #include "proxima/octree_io.h"
 #include "proxima/result.h"
@@ -18,7 +19,7 @@
 #include <span>
 #include <string>
 
-namespace proxima {
+namespace PROXIMA_EXPORT proxima {
 
 /// Writes the index whole or not at all. The same index gives the same bytes. Errors:
 /// invalid_argument (refitted lists: build them again), file_not_writable, cancelled. O(bytes).

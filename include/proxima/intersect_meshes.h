@@ -16,6 +16,7 @@
 #pragma once
 
 #include "proxima/execution.h"
+#include "proxima/export.h"
 #include "proxima/function_ref.h"
 #include "proxima/geometry.h"
 #include "proxima/mesh_index.h"
@@ -32,7 +33,7 @@
 #include <span>
 #include <vector>
 
-namespace proxima {
+namespace PROXIMA_EXPORT proxima {
 
 /// A triangle of A and one of B that meet.
 struct TrianglePair {

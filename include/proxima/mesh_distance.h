@@ -15,6 +15,7 @@
 // size, it is one of these pairs.
 #pragma once
 
+#include "proxima/export.h"
 #include "proxima/geometry.h"
 #include "proxima/mesh_index.h"
 #include "proxima/triangle_mesh.h"
@@ -23,7 +24,7 @@
 #include <limits>
 #include <optional>
 
-namespace proxima {
+namespace PROXIMA_EXPORT proxima {
 
 /// Closest points of two meshes, both where B has been moved.
 struct MeshDistance {

@@ -12,6 +12,7 @@
 #pragma once
 
 #include "proxima/execution.h"
+#include "proxima/export.h"
 #include "proxima/geometry.h"
 #include "proxima/result.h"
 #include "proxima/topology.h"
@@ -22,7 +23,7 @@
 #include <memory>
 #include <span>
 
-namespace proxima {
+namespace PROXIMA_EXPORT proxima {
 
 /// The arrays of an index, as the library's own searches use them.
 class IndexParts;

@@ -10,6 +10,7 @@
 #pragma once
 
 #include "proxima/execution.h"
+#include "proxima/export.h"
 #include "proxima/result.h"
 #include "proxima/triangle_mesh.h"
 
@@ -21,7 +22,7 @@
 #include <string>
 #include <string_view>
 
-namespace proxima {
+namespace PROXIMA_EXPORT proxima {
 
 enum class MeshFormat : std::uint8_t { obj, ply, stl, off, three_ds, gltf, glb };
 

@@ -12,6 +12,7 @@
 #pragma once
 
 #include "proxima/execution.h"
+#include "proxima/export.h"
 #include "proxima/result.h"
 #include "proxima/triangle_mesh.h"
 
@@ -22,7 +23,7 @@
 #include <string_view>
 #include <vector>
 
-namespace proxima {
+namespace PROXIMA_EXPORT proxima {
 
 /// The steps of repair_mesh in the order in which they are done. Each needs those before it:
 /// distances need numbers; welding makes triangles degenerate, equal and neighbours; only a

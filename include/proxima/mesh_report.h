@@ -10,6 +10,7 @@
 #pragma once
 
 #include "proxima/execution.h"
+#include "proxima/export.h"
 #include "proxima/result.h"
 #include "proxima/triangle_mesh.h"
 
@@ -20,7 +21,7 @@
 #include <string_view>
 #include <vector>
 
-namespace proxima {
+namespace PROXIMA_EXPORT proxima {
 
 class Topology;
 

@@ -15,6 +15,7 @@
 
 #include "proxima/convex_polyhedron.h"
 #include "proxima/execution.h"
+#include "proxima/export.h"
 #include "proxima/geometry.h"
 #include "proxima/result.h"
 
@@ -26,7 +27,7 @@
 #include <utility>
 #include <vector>
 
-namespace proxima {
+namespace PROXIMA_EXPORT proxima {
 
 /// Where a facet's normal comes from: a facet of A, of B, of both, or an edge of A swept along one
 /// of B.

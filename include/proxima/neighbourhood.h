@@ -13,6 +13,7 @@
 // is too small is never a silent cut: `complete` is false.
 #pragma once
 
+#include "proxima/export.h"
 #include "proxima/geometry.h"
 #include "proxima/mesh_index.h"
 #include "proxima/topology.h"
@@ -24,7 +25,7 @@
 #include <span>
 #include <vector>
 
-namespace proxima {
+namespace PROXIMA_EXPORT proxima {
 
 /// How much of a buffer was filled.
 struct Neighbourhood {

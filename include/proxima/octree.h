@@ -22,6 +22,7 @@
 #pragma once
 
 #include "proxima/execution.h"
+#include "proxima/export.h"
 #include "proxima/function_ref.h"
 #include "proxima/geometry.h"
 #include "proxima/result.h"
@@ -39,7 +40,7 @@
 #include <span>
 #include <type_traits>
 
-namespace proxima {
+namespace PROXIMA_EXPORT proxima {
 
 /// The deepest level a cell may have; the root is depth 0.
 inline constexpr int max_octree_depth = 19;

@@ -12,6 +12,7 @@
 #pragma once
 
 #include "proxima/execution.h"
+#include "proxima/export.h"
 #include "proxima/octree.h"
 #include "proxima/result.h"
 #include "proxima/triangle_mesh.h"
@@ -22,7 +23,7 @@
 #include <span>
 #include <string>
 
-namespace proxima {
+namespace PROXIMA_EXPORT proxima {
 
 /// Of octrees and indexes.
 struct LoadOptions {

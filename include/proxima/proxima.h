@@ -8,6 +8,7 @@
 #include "proxima/cull.h"
 #include "proxima/device.h"
 #include "proxima/execution.h"
+#include "proxima/export.h"
 #include "proxima/function_ref.h"
 #include "proxima/geometry.h"
 #include "proxima/haptic_renderer.h"

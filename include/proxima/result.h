@@ -9,11 +9,13 @@
 // program with a message.
 #pragma once
 
+#include "proxima/export.h"
+
 #include <string>
 #include <tl/expected.hpp>
 #include <utility>
 
-namespace proxima {
+namespace PROXIMA_EXPORT proxima {
 
 /// The kind of an error; the message says it in words.
 enum class ErrorCode {

@@ -8,13 +8,14 @@
 #pragma once
 
 #include "proxima/execution.h"
+#include "proxima/export.h"
 #include "proxima/result.h"
 #include "proxima/triangle_mesh.h"
 
 #include <cstddef>
 #include <string_view>
 
-namespace proxima {
+namespace PROXIMA_EXPORT proxima {
 
 /// No sample has more triangles.
 inline constexpr std::size_t max_sample_triangles = std::size_t{1} << 27U;

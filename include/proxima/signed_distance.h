@@ -21,6 +21,7 @@
 
 #include "proxima/closest_feature.h"
 #include "proxima/execution.h"
+#include "proxima/export.h"
 #include "proxima/geometry.h"
 #include "proxima/mesh_index.h"
 #include "proxima/result.h"
@@ -30,7 +31,7 @@
 #include <span>
 #include <string_view>
 
-namespace proxima {
+namespace PROXIMA_EXPORT proxima {
 
 /// How a sign was found.
 enum class SignMethod : std::uint8_t {
@@ -65,6 +66,7 @@ sign_of(const MeshIndex& index, const ClosestFeature& closest, const Vec3& p) no
 /// Where a batch writes: each span is empty or has an element for every point.
 struct SignedOutputs {
     std::span<double> distances = {};
+    std::span<SignMethod> methods = {};
     std::span<SignedDistance> answers = {}; ///< in full
 };
 

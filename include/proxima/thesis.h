@@ -13,6 +13,7 @@
 #include "proxima/closest_feature.h"
 #include "proxima/convex_polyhedron.h"
 #include "proxima/execution.h"
+#include "proxima/export.h"
 #include "proxima/geometry.h"
 #include "proxima/intersect_meshes.h"
 #include "proxima/minkowski_sum.h"
@@ -27,7 +28,7 @@
 #include <optional>
 #include <vector>
 
-namespace proxima {
+namespace PROXIMA_EXPORT proxima {
 
 // Octrees (2.1, 3.4 to 3.7).
 

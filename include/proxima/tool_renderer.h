@@ -20,6 +20,7 @@
 #pragma once
 
 #include "proxima/device.h"
+#include "proxima/export.h"
 #include "proxima/geometry.h"
 #include "proxima/haptic_renderer.h"
 #include "proxima/mesh_index.h"
@@ -32,7 +33,7 @@
 #include <memory>
 #include <span>
 
-namespace proxima {
+namespace PROXIMA_EXPORT proxima {
 
 class ToolSurfaceRenderer;
 

@@ -11,6 +11,7 @@
 #pragma once
 
 #include "proxima/execution.h"
+#include "proxima/export.h"
 #include "proxima/result.h"
 #include "proxima/triangle_mesh.h"
 
@@ -22,7 +23,7 @@
 #include <span>
 #include <vector>
 
-namespace proxima {
+namespace PROXIMA_EXPORT proxima {
 
 /// Ordered by dimension.
 enum class FeatureKind : std::uint8_t { vertex, edge, face };

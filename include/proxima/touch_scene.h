@@ -26,6 +26,7 @@
 #pragma once
 
 #include "proxima/execution.h"
+#include "proxima/export.h"
 #include "proxima/geometry.h"
 #include "proxima/result.h"
 #include "proxima/triangle_mesh.h"
@@ -38,7 +39,7 @@
 #include <string>
 #include <string_view>
 
-namespace proxima {
+namespace PROXIMA_EXPORT proxima {
 
 class ContactBody;
 class EngineLink;

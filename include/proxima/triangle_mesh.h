@@ -4,6 +4,7 @@
 //     triangles  (0,1,2) (2,1,3) ...     indices into positions, counter-clockwise seen from outside
 #pragma once
 
+#include "proxima/export.h"
 #include "proxima/geometry.h"
 #include "proxima/result.h"
 
@@ -13,7 +14,7 @@
 #include <span>
 #include <vector>
 
-namespace proxima {
+namespace PROXIMA_EXPORT proxima {
 
 enum class VertexId : std::uint32_t {};
 enum class TriangleId : std::uint32_t {};

@@ -7,6 +7,7 @@
 // common.
 #pragma once
 
+#include "proxima/export.h"
 #include "proxima/geometry.h"
 #include "proxima/result.h"
 
@@ -18,7 +19,7 @@
 #include <span>
 #include <vector>
 
-namespace proxima {
+namespace PROXIMA_EXPORT proxima {
 
 /// The points with normal . x + offset >= 0. The normal points inward and may have any length.
 struct ViewPlane {

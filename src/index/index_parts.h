@@ -109,7 +109,7 @@ struct IndexArrays {
 
 /// Immutable; copies share the storage. Thread safe. Searches are handed this, not the MeshIndex that
 /// holds it: a step of a search follows no pointer to get here.
-class IndexParts {
+class PROXIMA_HIDDEN IndexParts {
 public:
     /// Levels of blocks at most: the 63 bits of a cell's position, then 31 of a triangle's rank.
     static constexpr std::size_t max_levels = 63 + 31;

@@ -37,7 +37,7 @@ void fill_rows(std::size_t rows, const ForEach& for_each, std::vector<std::uint3
 } // namespace
 
 // The steps of build_topology, in the order of their calls there.
-class TopologyBuilder {
+class PROXIMA_HIDDEN TopologyBuilder {
 public:
     TopologyBuilder(const TriangleMesh& mesh, const TopologyOptions& options)
         : mesh_(mesh), options_(options)

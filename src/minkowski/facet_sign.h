@@ -12,7 +12,7 @@ namespace proxima {
 
 /// The sign of a facet's outward normal . direction. Exact. The filter runs on Scalar: double, or
 /// one that counts what is done to it (operation_counts.h).
-struct FacetSign {
+struct PROXIMA_HIDDEN FacetSign {
     /// \pre |direction| <= 2^302
     template <class Scalar>
     [[nodiscard]] static int of(const ConvexPolyhedron& polyhedron, std::uint32_t facet,

@@ -11,7 +11,7 @@
 namespace proxima {
 
 /// Internal to the makers of polyhedra: the only one that fills a ConvexPolyhedron.
-class PolyhedronAssembler {
+class PROXIMA_HIDDEN PolyhedronAssembler {
 public:
     /// A point, a segment, or a half-line. \pre `vertices` are extreme: one point, and at most one
     /// other point or ray.

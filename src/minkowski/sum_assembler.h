@@ -9,7 +9,7 @@
 namespace proxima {
 
 /// Internal to the methods: the only one that fills a MinkowskiSum.
-class SumAssembler {
+class PROXIMA_HIDDEN SumAssembler {
 public:
     SumAssembler(const ConvexPolyhedron& a, const ConvexPolyhedron& b);
 

@@ -36,7 +36,7 @@ FOREIGN_TO_ALL_BUT_APPS = {"CLI", "fmt", "nlohmann", "png.h", "GLFW", "epoxy", "
 
 # Public headers and the layer that implements them.
 PUBLIC = {
-    "execution.h": "base", "function_ref.h": "base", "result.h": "base",
+    "execution.h": "base", "export.h": "base", "function_ref.h": "base", "result.h": "base",
     "geometry.h": "geometry", "view_volume.h": "geometry",
     "mesh_io.h": "mesh", "mesh_repair.h": "mesh", "mesh_report.h": "mesh", "sample_meshes.h": "mesh",
     "topology.h": "mesh", "triangle_mesh.h": "mesh",

@@ -12,8 +12,8 @@ import sys
 from collections import defaultdict
 from pathlib import Path
 
-TYPE = re.compile(r"^(?:struct|class|enum class|union)\s+(?:alignas\([^)]*\)\s+)?(\w+)(?!\w|::)(?:\s+final)?\s*(?::(?!:)|\{|$)[^;]*$")
-OPENS = re.compile(r"^namespace\s*([\w:]*)\s*\{[^}]*$")
+TYPE = re.compile(r"^(?:struct|class|enum class|union)\s+(?:alignas\([^)]*\)\s+)?(?:PROXIMA_HIDDEN\s+)?(\w+)(?!\w|::)(?:\s+final)?\s*(?::(?!:)|\{|$)[^;]*$")
+OPENS = re.compile(r"^namespace\s*(?:PROXIMA_EXPORT\s+)?([\w:]*)\s*\{[^}]*$")
 
 
 def types_of(text):

@@ -44,6 +44,10 @@ class TypeNames(unittest.TestCase):
     def test_other_namespaces_are_other_names(self):
         self.assertEqual(problems_with({"src/a/x.h": named("Gap"), "src/b/y.h": named("Gap", "proxima::detail")}), [])
 
+    def test_exported_and_hidden_types_count(self):
+        exported = "namespace PROXIMA_EXPORT proxima {\nclass PROXIMA_HIDDEN Gap {\n};\n} // namespace proxima\n"
+        self.assertEqual(len(problems_with({"src/a/x.h": named("Gap"), "src/a/y.h": exported})), 1)
+
 
 if __name__ == "__main__":
     unittest.main()

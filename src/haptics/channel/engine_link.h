@@ -44,7 +44,7 @@ private:
 };
 
 /// The servo thread's. Times are nanoseconds of CLOCK_MONOTONIC, or of a test's own clock.
-class EngineLink {
+class PROXIMA_HIDDEN EngineLink {
 public:
     explicit EngineLink(std::unique_ptr<EngineTransport> transport);
 

@@ -48,7 +48,7 @@ Status check_input(const DeviceInfo& info, const InputOptions& options)
 } // namespace
 
 /// What a DeviceInput is made of.
-class InputGuard {
+class PROXIMA_HIDDEN InputGuard {
 public:
     InputGuard(const DeviceInfo& info, InputOptions options) noexcept
         : options_(std::move(options)), patience_(info.patience),

@@ -46,7 +46,7 @@ struct RenderedSurface {
 
 /// Refers to surface, scene and properties. One thread. noexcept and without allocation but for the
 /// constructor.
-class SurfaceRenderer {
+class PROXIMA_HIDDEN SurfaceRenderer {
 public:
     /// Options are limited to what the device can take. With a probe of penalty forces the proxy is
     /// not used, and radius, frictions, max_moves and shading have no effect.
@@ -141,7 +141,7 @@ private:
 };
 
 /// The library's access to the parts of a HapticRenderer.
-class RendererAccess {
+class PROXIMA_HIDDEN RendererAccess {
 public:
     [[nodiscard]] static HapticRenderer wrap(std::unique_ptr<SurfaceRenderer> renderer) noexcept
     {

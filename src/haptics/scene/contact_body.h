@@ -30,7 +30,7 @@ enum class BodySearch : bool {
 };
 
 /// Immutable. Queries are noexcept and without allocation.
-class ContactBody {
+class PROXIMA_HIDDEN ContactBody {
 public:
     ContactBody(const ContactBody&) = delete;
     ContactBody& operator=(const ContactBody&) = delete;

@@ -27,7 +27,7 @@ struct GiveViewBack {
 /// A tool's view. The scene must outlive it.
 using SceneView = std::unique_ptr<MovingSurface, GiveViewBack>;
 
-class SceneViews {
+class PROXIMA_HIDDEN SceneViews {
 public:
     explicit SceneViews(const Box& bounds);
 

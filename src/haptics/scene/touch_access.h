@@ -12,7 +12,7 @@
 namespace proxima {
 
 /// The library's access to the parts of TouchBody and TouchScene.
-class TouchAccess {
+class PROXIMA_HIDDEN TouchAccess {
 public:
     [[nodiscard]] static TouchBody wrap(std::shared_ptr<const ContactBody> body) noexcept
     {

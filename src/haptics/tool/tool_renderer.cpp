@@ -120,7 +120,7 @@ bool is_usable(const RigidTransform& pose) noexcept
 } // namespace
 
 /// The implementation of ToolRenderer: proxy, springs and guards.
-class ToolSurfaceRenderer {
+class PROXIMA_HIDDEN ToolSurfaceRenderer {
 public:
     ToolSurfaceRenderer(RigidBody tool, std::vector<RigidBody> objects, const WorkspaceMap& map,
                         const DeviceLimits& device, const ToolRenderOptions& options)

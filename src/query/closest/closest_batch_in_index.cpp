@@ -11,6 +11,7 @@
 #include <algorithm>
 #include <array>
 #include <atomic>
+#include <cmath>
 #include <limits>
 #include <vector>
 
@@ -36,7 +37,22 @@ struct ClosestChunk {
     {
         return order.empty() ? i : order[i].position;
     }
+
+    /// Whether outputs want more than distances and triangles.
+    [[nodiscard]] bool describes() const noexcept
+    {
+        return !outputs.answers.empty() || !outputs.points.empty() || !outputs.barycentrics.empty();
+    }
 };
+
+inline void write_description(const ClosestOutputs& to, std::size_t position,
+                              const ClosestFeature& answer)
+{
+    if (!to.answers.empty()) to.answers[position] = answer;
+    if (!to.points.empty()) to.points[position] = answer.point;
+    if (!to.barycentrics.empty()) to.barycentrics[position] = answer.barycentric;
+    if (!to.triangles.empty()) to.triangles[position] = answer.triangle;
+}
 
 } // namespace proxima
 
@@ -62,11 +78,17 @@ HWY_INLINE void write_answer(const ClosestChunk& chunk, std::size_t position,
                              const RowDistance& found)
 {
     const ClosestOutputs& to = chunk.outputs;
-    if (!to.answers.empty()) to.answers[position] = describe_closest(chunk.index, found);
-    if (!to.squared_distances.empty()) {
-        to.squared_distances[position] = row_scale_of(chunk.index).unscale_squared(found.squared);
+    if (chunk.describes()) {
+        write_description(to, position, describe_closest(chunk.index, found));
+    } else if (!to.triangles.empty()) {
+        to.triangles[position] = triangle_of(chunk.index, found);
     }
-    if (!to.triangles.empty()) to.triangles[position] = triangle_of(chunk.index, found);
+    const double squared = row_scale_of(chunk.index).unscale_squared(found.squared);
+    if (!to.squared_distances.empty()) to.squared_distances[position] = squared;
+    if (!to.distances.empty()) to.distances[position] = std::sqrt(squared);
+    if (!to.feature_kinds.empty())
+        to.feature_kinds[position] = found.found() ? found.kind() : FeatureKind::vertex;
+    if (!to.feature_ids.empty()) to.feature_ids[position] = found.id();
 }
 
 /// The points of a chunk, several of them on their way at once, so that they wait for memory
@@ -270,6 +292,18 @@ std::span<T> part_of(std::span<T> all, std::size_t first, std::size_t count)
     return all.empty() ? all : all.subspan(first, count);
 }
 
+ClosestOutputs part_of(const ClosestOutputs& all, std::size_t first, std::size_t count)
+{
+    return {.answers = part_of(all.answers, first, count),
+            .squared_distances = part_of(all.squared_distances, first, count),
+            .triangles = part_of(all.triangles, first, count),
+            .distances = part_of(all.distances, first, count),
+            .points = part_of(all.points, first, count),
+            .feature_kinds = part_of(all.feature_kinds, first, count),
+            .feature_ids = part_of(all.feature_ids, first, count),
+            .barycentrics = part_of(all.barycentrics, first, count)};
+}
+
 /// Answers up to the first point that is not finite; returns where that is.
 std::size_t answer_chunk(const IndexParts& index, std::span<const Vec3> points,
                          const ClosestOutputs& outputs, bool sorted)
@@ -291,7 +325,9 @@ void keep_least(std::atomic<std::size_t>& least, std::size_t value)
 Status check_sizes(std::size_t points, const ClosestOutputs& outputs)
 {
     for (const std::size_t size :
-         {outputs.answers.size(), outputs.squared_distances.size(), outputs.triangles.size()}) {
+         {outputs.answers.size(), outputs.squared_distances.size(), outputs.triangles.size(),
+          outputs.distances.size(), outputs.points.size(), outputs.feature_kinds.size(),
+          outputs.feature_ids.size(), outputs.barycentrics.size()}) {
         if (size == 0) continue;
         if (Status status = check_batch_size(size, points, "points"); !status) return status;
     }
@@ -317,9 +353,7 @@ Status closest_features(const MeshIndex& index, std::span<const Vec3> points,
                     [&](std::size_t first, std::size_t end) {
                         if (is_cancelled(options.execution.progress)) return;
                         const std::size_t count = end - first;
-                        const ClosestOutputs own{part_of(outputs.answers, first, count),
-                                                 part_of(outputs.squared_distances, first, count),
-                                                 part_of(outputs.triangles, first, count)};
+                        const ClosestOutputs own = part_of(outputs, first, count);
                         const std::size_t finite =
                             answer_chunk(index.parts(), points.subspan(first, count), own, sorted);
                         if (finite < count) keep_least(bad, first + finite);

@@ -270,7 +270,8 @@ Status signed_distances(const MeshIndex& index, std::span<const Vec3> points,
         return fail(ErrorCode::invalid_argument, "the index has no signs: call with_signs first",
                     "index");
     }
-    for (const std::size_t size : {outputs.distances.size(), outputs.answers.size()}) {
+    for (const std::size_t size :
+         {outputs.distances.size(), outputs.methods.size(), outputs.answers.size()}) {
         if (size == 0) continue;
         if (Status status = check_batch_size(size, points.size(), "points"); !status) return status;
     }
@@ -297,6 +298,7 @@ Status signed_distances(const MeshIndex& index, std::span<const Vec3> points,
             for (std::size_t k = 0; k < own.size(); ++k) {
                 const SignedDistance answer = answer_of(index.parts(), closest[k], own[k]);
                 if (!outputs.distances.empty()) outputs.distances[first + k] = answer.distance;
+                if (!outputs.methods.empty()) outputs.methods[first + k] = answer.method;
                 if (!outputs.answers.empty()) outputs.answers[first + k] = answer;
             }
             advance_stage(progress, own.size());

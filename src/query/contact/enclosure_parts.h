@@ -10,7 +10,7 @@
 
 namespace proxima {
 
-struct EnclosureParts {
+struct PROXIMA_HIDDEN EnclosureParts {
     MeshIndex index;
     Box bounds; ///< of the mesh
     InsideMethod method = InsideMethod::crossings;

@@ -7,7 +7,7 @@
 
 namespace proxima {
 
-struct ThesisProximityParts {
+struct PROXIMA_HIDDEN ThesisProximityParts {
     TriangleMesh mesh;
     Topology topology;
     ThesisProximityOctree octree;

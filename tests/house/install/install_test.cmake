@@ -1,9 +1,9 @@
 # Installs into an empty prefix, then builds and runs separate projects against it, by find_package
 # and by pkg-config: a small one, and the examples. Before that, looks at what was installed
-# (installed_headers.py).
+# (installed_headers.py). The libraries may be static or shared.
 #
 #     cmake -DBUILD=<build folder> -DWORK=<folder to use> -DCXX=<compiler> -DLIBDIR=<lib> -DPYTHON=<python>
-#       -DCTEST=<ctest> -P install_test.cmake
+#       -DCTEST=<ctest> -DREADS_SCENES=<with assimp> -P install_test.cmake
 function(run)
   execute_process(COMMAND ${ARGV} RESULT_VARIABLE status OUTPUT_VARIABLE output ERROR_VARIABLE output)
   if(NOT status EQUAL 0)
@@ -17,6 +17,11 @@ function(expect_answer program)
   run(${program})
   if(NOT output STREQUAL "12 6 160 5\n")
     message(FATAL_ERROR "${program} printed: ${output}")
+  endif()
+  # It reads no mesh from a file.
+  run(readelf -d ${program})
+  if(output MATCHES "assimp")
+    message(FATAL_ERROR "${program} needs assimp:\n${output}")
   endif()
 endfunction()
 
@@ -37,8 +42,15 @@ run(${CMAKE_COMMAND} -S ${CMAKE_CURRENT_LIST_DIR}/../../../examples -B ${WORK}/e
   -DCMAKE_CXX_COMPILER=${CXX} -DCMAKE_PREFIX_PATH=${WORK}/prefix -DCMAKE_BUILD_TYPE=Release)
 run(${CMAKE_COMMAND} --build ${WORK}/examples)
 run(${CTEST} --test-dir ${WORK}/examples --output-on-failure)
+if(READS_SCENES)
+  run(${WORK}/examples/what_is_closest ${CMAKE_CURRENT_LIST_DIR}/../../../fuzz/corpus/glb/two_tetrahedra.glb)
+  if(NOT output MATCHES "^closest point ")
+    message(FATAL_ERROR "what_is_closest printed: ${output}")
+  endif()
+endif()
 
 run(pkg-config --cflags --libs proxima)
 separate_arguments(flags UNIX_COMMAND "${output}")
 run(${CXX} ${CMAKE_CURRENT_LIST_DIR}/main.cpp -o ${WORK}/by_pkg_config ${flags})
+set(ENV{LD_LIBRARY_PATH} ${WORK}/prefix/${LIBDIR})
 expect_answer(${WORK}/by_pkg_config)

@@ -252,6 +252,40 @@ TEST(ClosestInIndex, HasTheSameAnswersOnEveryInstructionSetWithoutAllocating)
     restore_simd_targets();
 }
 
+/// A batch's answers by columns.
+struct Columns {
+    explicit Columns(std::size_t size)
+        : distances(size), points(size), kinds(size), ids(size), barycentrics(size), triangles(size)
+    {}
+
+    [[nodiscard]] ClosestOutputs outputs()
+    {
+        return {.triangles = triangles,
+                .distances = distances,
+                .points = points,
+                .feature_kinds = kinds,
+                .feature_ids = ids,
+                .barycentrics = barycentrics};
+    }
+
+    void expect_same(std::size_t i, const ClosestFeature& truth) const
+    {
+        EXPECT_EQ(distances[i], std::sqrt(truth.squared_distance));
+        EXPECT_EQ(points[i], truth.point);
+        EXPECT_EQ(kinds[i], truth.feature.kind);
+        EXPECT_EQ(ids[i], truth.feature.id);
+        EXPECT_EQ(barycentrics[i], truth.barycentric);
+        EXPECT_EQ(triangles[i], truth.triangle);
+    }
+
+    std::vector<double> distances;
+    std::vector<Vec3> points;
+    std::vector<FeatureKind> kinds;
+    std::vector<std::uint32_t> ids;
+    std::vector<std::array<double, 3>> barycentrics;
+    std::vector<TriangleId> triangles;
+};
+
 TEST(ClosestInIndex, BatchesAnswerLikeSingleQueries)
 {
     for (const NamedMesh& named : proximity_meshes()) {
@@ -263,6 +297,7 @@ TEST(ClosestInIndex, BatchesAnswerLikeSingleQueries)
         std::vector<ClosestFeature> answers(points.size());
         std::vector<double> distances(points.size());
         std::vector<TriangleId> triangles(points.size());
+        Columns columns(points.size());
         for (const SimdTarget& target : simd_targets()) {
             SCOPED_TRACE(target.name);
             force_simd_target(target);
@@ -272,9 +307,11 @@ TEST(ClosestInIndex, BatchesAnswerLikeSingleQueries)
                     {.answers = answers, .squared_distances = distances, .triangles = triangles},
                     {.order = order});
                 ASSERT_TRUE(status);
+                ASSERT_TRUE(closest_features(index, points, columns.outputs(), {.order = order}));
                 for (std::size_t i = 0; i < points.size(); ++i) {
                     const ClosestFeature truth = closest_feature(index, points[i]).value();
                     expect_same(answers[i], truth);
+                    columns.expect_same(i, truth);
                     EXPECT_EQ(distances[i], truth.squared_distance);
                     EXPECT_EQ(triangles[i], truth.triangle);
                 }

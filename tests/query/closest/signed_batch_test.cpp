@@ -38,9 +38,11 @@ TEST(SignedDistances, HaveTheBitsOfSingleQueriesForAnyNumberOfThreads)
         for (const BatchOrder order : {BatchOrder::as_given, BatchOrder::sorted}) {
             std::vector<double> distances(points.size());
             std::vector<SignedDistance> answers(points.size());
+            std::vector<SignMethod> methods(points.size());
             const BatchOptions options{.order = order, .execution = {.threads = {threads}}};
-            ASSERT_TRUE(signed_distances(index, points,
-                                         {.distances = distances, .answers = answers}, options));
+            ASSERT_TRUE(signed_distances(
+                index, points, {.distances = distances, .methods = methods, .answers = answers},
+                options));
             std::vector<double> alone(points.size());
             ASSERT_TRUE(signed_distances(index, points, {.distances = alone}, options));
             for (std::size_t i = 0; i < points.size(); ++i) {
@@ -48,6 +50,7 @@ TEST(SignedDistances, HaveTheBitsOfSingleQueriesForAnyNumberOfThreads)
                 ASSERT_TRUE(same_bits(alone[i], truth[i].distance)) << "point " << i;
                 ASSERT_TRUE(same_bits(answers[i].distance, truth[i].distance)) << "point " << i;
                 ASSERT_EQ(answers[i].method, truth[i].method) << "point " << i;
+                ASSERT_EQ(methods[i], truth[i].method) << "point " << i;
                 ASSERT_EQ(answers[i].closest.feature, truth[i].closest.feature) << "point " << i;
             }
         }
