@@ -15,6 +15,13 @@ if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU" AND CMAKE_SYSTEM_PROCESSOR STREQUAL "x86
       -m${job}-strategy=unrolled_loop:1024:noalign,libcall:-1:noalign)
   endforeach()
 endif()
+# A section for each function, so that libraries of a few of them leave out the others.
+target_compile_options(proxima_developer_options INTERFACE -ffunction-sections -fdata-sections)
+if(NOT PROXIMA_SANITIZE AND CMAKE_BUILD_TYPE STREQUAL "Release")
+  # What is installed notices an overwritten stack, and copies that do not fit where sizes are known (docs/security.md).
+  target_compile_options(proxima_developer_options INTERFACE -fstack-protector-strong)
+  target_compile_definitions(proxima_developer_options INTERFACE _FORTIFY_SOURCE=2)
+endif()
 if(CMAKE_SYSTEM_PROCESSOR STREQUAL "aarch64")
   # Highway's NEON includes the instructions for AES, and g++ gives only some of a kernel's functions what it asks for. No
   # code of ours uses them, so processors without AES are served, too.
