@@ -1,4 +1,6 @@
 // Recordings of forged files: refused with the field's name, or replayed without harm.
+#include "damaged_files.h"
+#include "exact_copy.h"
 #include "folder_test.h"
 #include "haptics/force/surface_renderer.h"
 #include "haptics/loop/recording.h"
@@ -8,7 +10,9 @@
 
 #include <gtest/gtest.h>
 
+#include <fstream>
 #include <functional>
+#include <iterator>
 #include <limits>
 #include <string>
 #include <vector>
@@ -254,6 +258,18 @@ TEST_F(ForgedRecordingTest, NamesTheFieldThatIsOutOfRange)
     recording = scene_recording();
     recording.messages[0].has_motion = false;
     EXPECT_EQ(reloaded(recording).error().message.find("message 0: parts is 0"), 0U);
+}
+
+TEST_F(ForgedRecordingTest, RefusesEveryTruncationAndExtension)
+{
+    const auto file = folder() / "session.pxt";
+    ASSERT_TRUE(save_recording(scene_recording(), file));
+    std::ifstream stream(file, std::ios::binary);
+    const std::string bytes(std::istreambuf_iterator<char>(stream), {});
+    refuses_every_truncation_and_extension(bytes, [](const std::string& some, Verification) {
+        const auto copy = exact_copy(some.data(), some.size());
+        return load_recording({copy.get(), some.size()}, copy, "memory");
+    });
 }
 
 /// Replays a scene of cubes; every force must be finite and within the limit.

@@ -135,6 +135,68 @@ TEST(UdpDevice, AcceptsAClockSetBackAfterASecond)
     EXPECT_EQ(device->report().accepted, 1U + 199U);
 }
 
+/// Ten packets a second for ten minutes from a sender whose seconds take `pace` of ours. All but the
+/// first packet are `delay_ms` longer on the way than it.
+const UdpReport& ten_minutes(UdpDevice& device, double pace, std::int64_t delay_ms = 0)
+{
+    for (std::uint64_t i = 0; i < 6000; ++i) {
+        const double sent = 1e8 * static_cast<double>(i);
+        StatePacket packet = state_packet(i + 1);
+        packet.nanoseconds = static_cast<std::uint64_t>(sent);
+        device.take(encode(packet), device_side,
+                    5000 * millisecond + static_cast<std::int64_t>(pace * sent) +
+                        (i > 0 ? delay_ms : 0) * millisecond);
+    }
+    return device.report();
+}
+
+TEST(UdpDevice, AcceptsClocksThatDriftByATenthOfAPerMille)
+{
+    for (const double drift : {-0.9e-4, 0.9e-4}) {
+        SCOPED_TRACE(drift);
+        const auto device = listening_device();
+        // 54 ms apart in the end, where 20 ms are the patience.
+        EXPECT_EQ(ten_minutes(*device, 1 + drift).accepted, 6000U);
+        // Packets that are late for another reason do not add to it.
+        const auto slow_way = listening_device();
+        EXPECT_EQ(ten_minutes(*slow_way, 1 + drift, 19).accepted, 6000U);
+    }
+    const auto too_slow_way = listening_device();
+    EXPECT_EQ(ten_minutes(*too_slow_way, 1, 21).late, 9U); // then it begins anew
+}
+
+TEST(UdpDevice, BeginsAnewWhenAClockIsSlowByAPerCent)
+{
+    // Each packet is 1 ms longer on the way than the one before: after 20 of them 9 are late, and
+    // after a second without a good one all begins anew.
+    const auto slow = listening_device();
+    const UdpReport& report = ten_minutes(*slow, 1.01);
+    EXPECT_EQ(report.accepted, 6000U / 30 * 21);
+    EXPECT_EQ(report.late, 6000U / 30 * 9);
+    EXPECT_EQ(report.sessions, 1U);
+    // A fast one seems ever quicker on the way, so nothing of it is late.
+    const auto fast = listening_device();
+    EXPECT_EQ(ten_minutes(*fast, 0.99).accepted, 6000U);
+}
+
+TEST(UdpDevice, JudgesLatenessByTheQuickestPacketOfAFastClock)
+{
+    const auto device = listening_device();
+    EXPECT_EQ(ten_minutes(*device, 0.99).late, 0U);
+    // More packets, `way_ms` longer on the way than the last.
+    const auto next = [&](std::uint64_t more, std::int64_t way_ms) {
+        StatePacket packet = state_packet(6000 + more);
+        packet.nanoseconds = (5999 + more) * 100 * millisecond;
+        device->take(encode(packet), device_side,
+                     (5000 + 99 * 5999 + 100 * static_cast<std::int64_t>(more) + way_ms) *
+                         millisecond);
+    };
+    next(1, 21);
+    EXPECT_EQ(device->report().late, 1U);
+    next(2, 19);
+    EXPECT_EQ(device->report().late, 1U);
+}
+
 TEST(UdpDevice, SurvivesAnyBytes)
 {
     // What is malformed is refused, what is well formed may hold any numbers: no force spikes.

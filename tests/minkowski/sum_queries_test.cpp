@@ -141,6 +141,37 @@ TEST(SumQueries, UnboundedSumsHaveDistancesToo)
     EXPECT_FALSE(contains(half, {-5, 9, -1e-300}));
 }
 
+TEST(SumQueries, FlatUnboundedSumsEndInTwoRays)
+{
+    // A quadrant of a plane and a segment across it: two corners, and two rays in a row. Away from
+    // the origin, lest lines through the origin were as good.
+    const Vec3 at(7, -3, 2);
+    const auto quadrant = test::hull_of({at}, {{1, 0, 0}, {0, 1, 0}});
+    const auto across = test::hull_of({{1, -1, 0}, {-1, 1, 0}});
+    const auto sum = *minkowski_sum(quadrant, across);
+    ASSERT_EQ(sum.dimension(), 2);
+    const auto distance_to = [](const Vec3& from, const Vec3& along, double most, const Vec3& p) {
+        const double t = std::clamp(along.dot(p - from) / along.squaredNorm(), 0.0, most);
+        return (p - from - t * along).norm();
+    };
+    constexpr double endless = 1e9;
+    for (const double z : {0.0, 0.25}) {
+        for (double y = -4; y <= 4; y += 0.5) {
+            for (double x = -4; x <= 4; x += 0.5) {
+                SCOPED_TRACE(::testing::Message() << x << ' ' << y << ' ' << z);
+                // Of the points (t, -t) of the segment one is below and left.
+                const bool over = std::max(-1.0, -y) <= std::min(1.0, x);
+                const Vec3 p(x, y, z);
+                EXPECT_EQ(contains(sum, at + p), over && z == 0);
+                const double to_border = std::min({distance_to({1, -1, 0}, {1, 0, 0}, endless, p),
+                                                   distance_to({-1, 1, 0}, {0, 1, 0}, endless, p),
+                                                   distance_to({1, -1, 0}, {-2, 2, 0}, 1, p)});
+                EXPECT_NEAR(signed_distance(sum, at + p).distance, over ? z : to_border, 1e-14);
+            }
+        }
+    }
+}
+
 TEST(SumQueries, SeparationPullsBodiesApart)
 {
     for (unsigned seed = 0; seed < 200; ++seed) {

@@ -121,6 +121,9 @@ TEST_F(CheckOctree, FindsEachBrokenRecord)
     edit = EditableOctree(adaptive);
     std::swap(edit.references[edit.nodes[leaf].first], edit.references[edit.nodes[leaf].first + 1]);
     expect_bad(edit, "does not ascend");
+    edit = EditableOctree(adaptive); // a triangle twice
+    edit.references[edit.nodes[leaf].first + 1] = edit.references[edit.nodes[leaf].first];
+    expect_bad(edit, "does not ascend");
     edit = EditableOctree(adaptive);
     edit.references[edit.nodes[leaf].first + edit.nodes[leaf].count() - 1] = TriangleId{1'000'000};
     expect_bad(edit, "triangle 1000000 of");
@@ -157,6 +160,17 @@ TEST_F(CheckOctree, FindsEachBrokenRecord)
     edit = EditableOctree(uniform);
     edit.nodes[0].packed |= OctreeNode::empty_split_bit;
     expect_bad(edit, "contradicts its children");
+    // An empty cell below one that says outer: with one inner child, and with eight.
+    for (const std::uint32_t inner : {0x01U, 0xFFU}) {
+        edit = EditableOctree(uniform);
+        edit.parameters.classified = true;
+        ASSERT_EQ(reason(check_structure(edit.octree())), "ok");
+        const auto empty = std::ranges::find_if(
+            edit.nodes, [](OctreeNode node) { return !node.is_leaf() && node.is_empty(); });
+        ASSERT_NE(empty, edit.nodes.end());
+        empty->packed |= inner << 8U;
+        expect_bad(edit, "partly inner");
+    }
 }
 
 TEST_F(CheckOctree, SurvivesRandomRecords)

@@ -46,7 +46,7 @@ void CellChecker::Part::add(const Part& other)
 
 CellChecker::CellChecker(const ProximityLists& lists, ArenaChecker& arena)
     : arrays_(lists.arrays()), table_depth_(lists.table_depth()),
-      frame_half_(lists.frame().frame_half()), arena_(arena), run_taken_(arrays_.runs.size())
+      frame_half_(lists.frame().frame_half()), arena_(arena)
 {}
 
 Status CellChecker::run(const CheckWork& work)
@@ -150,7 +150,8 @@ const char* CellChecker::check_leaf(const ProximityCell& cell, Part& part)
     return sound;
 }
 
-/// Its triangles, 0 where it is damaged.
+/// Its triangles, 0 where it is damaged. Sound runs do not overlap: a head holds its own leaf's centre
+/// and no triangles, and every entry after a head holds triangles.
 std::uint32_t CellChecker::check_run(const ProximityCell& cell, std::size_t begin, Part& part)
 {
     const RunEntry& head = arrays_.runs[begin];
@@ -163,9 +164,7 @@ std::uint32_t CellChecker::check_run(const ProximityCell& cell, std::size_t begi
         if (head.direction[axis] != static_cast<float>(center)) return 0;
     }
     std::uint32_t list = 0;
-    for (std::size_t i = begin; i <= begin + count; ++i) {
-        if (run_taken_.set(i)) return 0;
-        if (i == begin) continue;
+    for (std::size_t i = begin + 1; i <= begin + count; ++i) {
         const RunEntry& entry = arrays_.runs[i];
         double squared = 0;
         for (const float part_of : entry.direction)

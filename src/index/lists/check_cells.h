@@ -1,7 +1,6 @@
 // Whether the cells of closest-feature lists are one tree whose leaves name what there is.
 #pragma once
 
-#include "base/atomic_bits.h"
 #include "base/progress.h"
 #include "index/check_work.h"
 #include "index/lists/check_arena.h"
@@ -49,7 +48,6 @@ private:
     int table_depth_;
     double frame_half_;
     ArenaChecker& arena_;
-    AtomicBits run_taken_; ///< entries that some leaf has
     Part part_;
 };
 

@@ -80,6 +80,8 @@ TEST_F(CheckLists, NamesADamagedRun)
           [](EditableIndex& e) { e.runs[0].position = static_cast<std::uint32_t>(e.runs.size()); }},
          {"its run is damaged", [](EditableIndex& e) { e.runs[0].position = 0xFFFFFFFF; }},
          {"its run is damaged", [](EditableIndex& e) { e.runs[0].direction[1] += 0.5F; }},
+         {"its run is damaged", [](EditableIndex& e) { e.runs[0].mask = 1; }},
+         {"its run is damaged", [](EditableIndex& e) { e.runs[0].least = 1; }},
          {"its run is damaged", [](EditableIndex& e) { e.runs[1].mask = 0; }},
          {"its run is damaged", [](EditableIndex& e) { e.runs[1].least = float_nan; }},
          {"its run is damaged", [](EditableIndex& e) { e.runs[1].least = 3; }},

@@ -119,6 +119,26 @@ TEST(SignedDistance, WeightsNormalsByAngles)
     EXPECT_LT((normal - Vec3(-1, -1, -1).normalized()).norm(), 1e-12);
 }
 
+TEST(SignedDistance, LeavesPointsBesideAPseudonormalToTheWindingNumber)
+{
+    // A spear's head so flat that points beside its tip, all but across the tip's pseudonormal, are
+    // closest to the tip.
+    constexpr double flat = 1e-6;
+    const Signed spear(mesh_of({Vec3(0, 0, 0), Vec3(1, -flat, -1), Vec3(1, flat, -1),
+                                Vec3(-1, flat, -1), Vec3(-1, -flat, -1)},
+                               {{0, 1, 2}, {0, 2, 3}, {0, 3, 4}, {0, 4, 1}, {1, 4, 3}, {1, 3, 2}}));
+    ASSERT_TRUE(spear.is_local());
+    for (const double tilt : {1.5e-6, 3e-6, 5e-6, 1e-3, 1.0}) {
+        const SignedDistance found = spear.at(0.01 * Vec3(0, 1, tilt));
+        ASSERT_EQ(found.closest.feature.kind, FeatureKind::vertex) << tilt;
+        EXPECT_GT(found.distance, 0) << tilt;
+        constexpr double doubtful = 0x1p-18; // of the distance
+        EXPECT_EQ(found.method,
+                  tilt < doubtful ? SignMethod::winding_number : SignMethod::pseudonormal)
+            << name_of(found.method) << " at " << tilt;
+    }
+}
+
 TEST(SignedDistance, FollowsTheWindingNumberThroughNestedAndInvertedParts)
 {
     const TriangleMesh outer = ball(Vec3::Zero(), 1.0);
