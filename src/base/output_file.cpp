@@ -93,7 +93,7 @@ bool is_below_device_folders(const fs::path& path)
 // The file that `path` stands for once symbolic links are followed; it need not exist.
 std::optional<fs::path> follow_links(fs::path path)
 {
-    for (int link = 0; link < max_links; ++link) {
+    for (int link = 0; link <= max_links; ++link) {
         std::error_code error;
         if (!fs::is_symlink(fs::symlink_status(path, error))) return path;
         const fs::path target = fs::read_symlink(path, error);

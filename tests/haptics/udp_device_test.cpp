@@ -84,6 +84,22 @@ TEST(UdpDevice, ANumberTooHighToFollowLocksNobodyOut)
     EXPECT_EQ(report.sessions, 1U);
 }
 
+TEST(UdpDevice, FollowsALeapOf65536Numbers)
+{
+    const auto device = listening_device();
+    const auto take = [&](std::uint64_t sequence, std::int64_t ms) {
+        StatePacket packet = state_packet(sequence);
+        packet.nanoseconds = static_cast<std::uint64_t>(ms * millisecond);
+        device->take(encode(packet), device_side, ms * millisecond);
+    };
+    take(1, 1001);
+    take(1 + 65536, 1002);
+    EXPECT_EQ(device->report().accepted, 2U);
+    EXPECT_EQ(device->report().lost, 65535U);
+    take(1 + 2 * 65536 + 1, 1003);
+    EXPECT_EQ(device->report().leapt, 1U);
+}
+
 TEST(UdpDevice, ForgetsAFirstNumberThatIsTooHighAfterASecond)
 {
     const auto device = listening_device();

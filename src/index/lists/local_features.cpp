@@ -1,6 +1,7 @@
 #include "index/lists/local_features.h"
 
 #include "base/progress.h"
+#include "geometry/exact_predicates.h"
 
 #include <algorithm>
 #include <array>
@@ -136,7 +137,7 @@ private:
     void add_face(TriangleId triangle)
     {
         const Face face = face_of(triangle);
-        if (!std::isfinite(face.error)) return;
+        if (!std::isfinite(face.error)) return add_sliver(triangle);
         const TriangleCorners& v = mesh_.triangles()[to_index(triangle)];
         begin(FeatureKind::face);
         for (std::size_t i = 0; i < 3; ++i) add_side_plane(face, v[i], v[(i + 1) % 3], 1.0);
@@ -150,6 +151,26 @@ private:
         result_.numbers.push_back(static_cast<float>(low));
         result_.numbers.push_back(static_cast<float>(high));
         for (const std::uint32_t vertex : v) add_point(at(vertex));
+        end(std::array{triangle});
+    }
+
+    /// A triangle whose normal says nothing, as its longest side: feet of points in it are between the
+    /// ends of that side, and its height is far less than the errors of floats.
+    void add_sliver(TriangleId triangle)
+    {
+        if (is_degenerate(mesh_.triangle(triangle))) return;
+        const TriangleCorners& v = mesh_.triangles()[to_index(triangle)];
+        std::array<std::uint32_t, 2> ends{};
+        double longest = 0;
+        for (std::size_t i = 0; i < 3; ++i) {
+            const double squared = (at(v[(i + 1) % 3]) - at(v[i])).squaredNorm();
+            if (squared > longest) longest = squared, ends = {v[i], v[(i + 1) % 3]};
+        }
+        if (longest == 0) return;
+        begin(FeatureKind::edge);
+        add_end_plane(ends[1], ends[0], ends[0]);
+        add_end_plane(ends[0], ends[1], ends[1]);
+        for (const std::uint32_t end : ends) add_point(at(end));
         end(std::array{triangle});
     }
 

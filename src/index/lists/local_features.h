@@ -75,8 +75,9 @@ struct LocalFeatures {
 };
 
 /// The features that can be closest to a point and are not degenerate: triangles that are segments
-/// or points count by their edges and vertices. `order` are the triangles by rank. Null where
-/// cancelled. About 300 bytes per triangle of a closed mesh. O(features).
+/// or points count by their edges and vertices, and slivers without a normal as their longest side.
+/// `order` are the triangles by rank. Null where cancelled. About 300 bytes per triangle of a closed
+/// mesh. O(features).
 [[nodiscard]] std::optional<LocalFeatures> collect_local_features(const TriangleMesh& mesh,
                                                                   const Topology& topology,
                                                                   std::span<const TriangleId> order,

@@ -131,6 +131,21 @@ TEST(ClosestInIndex, IsAsAccurateFarFromTheOriginAsNearIt)
     }
 }
 
+// The sides of a plate so thin that the builder of lists cannot tell where they face.
+TEST(ClosestInIndex, AnswersLikeListsOnSlivers)
+{
+    for (const double height : {1e-9, 1e-11, 1e-12, 1e-14}) {
+        SCOPED_TRACE(height);
+        const TriangleMesh plate = moved(cube_mesh(Vec3::Zero(), 1), [&](const Vec3& p) {
+            return Vec3(p.x(), p.y(), height * p.z());
+        });
+        const MeshIndex index = build_mesh_index(plate).value();
+        const MeshIndex listed = with_lists(index).value();
+        for (const Vec3& p : proximity_points(plate, 600, 5))
+            expect_same(closest_feature(listed, p), closest_feature(index, p).value());
+    }
+}
+
 TEST(ClosestInIndex, AnswersLikeLists)
 {
     for (const char* const name : {"spaceship:20000", "sphere:40x40"}) {
