@@ -1,5 +1,6 @@
 import copy
 import gc
+import os
 import pickle
 import signal
 import sys
@@ -351,6 +352,16 @@ def test_queries_from_many_threads(index, points):
     for worker in workers:
         worker.join()
     assert not wrong
+
+
+def test_forked_processes_can_query(index, points):
+    expected = index.closest(points)
+    many = np.tile(points, (40, 1))
+    child = os.fork()
+    if child == 0:
+        fine = same(index.closest(points), expected) and len(index.closest(many).distance) == len(many)
+        os._exit(0 if fine else 1)
+    assert os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]) == 0
 
 
 def test_no_reference_is_lost(mesh, index, points):
