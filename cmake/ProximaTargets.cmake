@@ -51,9 +51,9 @@ function(proxima_fit_for_shared_libraries target)
     CXX_VISIBILITY_PRESET hidden VISIBILITY_INLINES_HIDDEN ON)
 endfunction()
 
-# Of a shared library: exports what a version script says, and lacks no symbol.
+# Of a shared library or module: exports what a version script says.
 function(proxima_export_by target script)
-  target_link_options(${target} PRIVATE LINKER:--version-script=${script} LINKER:--no-undefined LINKER:-z,relro,-z,now)
+  target_link_options(${target} PRIVATE LINKER:--version-script=${script} LINKER:-z,relro,-z,now)
   set_property(TARGET ${target} APPEND PROPERTY LINK_DEPENDS ${script})
 endfunction()
 

@@ -6,8 +6,8 @@ from pathlib import Path
 
 ROOT = Path(sys.argv.pop()).resolve()
 PAGES = [ROOT / "README.md", ROOT / "CONTRIBUTING.md", *sorted((ROOT / "docs").glob("*.md"))]
-FOLDERS = ("src", "include", "apps", "tests", "bench", "examples", "scripts", "fuzz", "docs", "cmake")
-SOURCES = [path for folder in ("src", "include", "apps", "tests", "bench", "examples", "fuzz")
+FOLDERS = ("src", "include", "apps", "python", "tests", "bench", "examples", "scripts", "fuzz", "docs", "cmake")
+SOURCES = [path for folder in ("src", "include", "apps", "python", "tests", "bench", "examples", "fuzz")
            for path in (ROOT / folder).rglob("*") if path.suffix in (".h", ".cpp", ".py")]
 
 
@@ -81,7 +81,8 @@ class Manual(unittest.TestCase):
 
     def test_options_exist(self):
         # Options of CMake, of Google Benchmark and of scripts/check are not the program's.
-        foreign = {"--benchmark", "--build", "--install", "--prefix", "--preset", "--target", "--workflow", "--cflags", "--libs", "--changed"}
+        foreign = {"--benchmark", "--build", "--install", "--prefix", "--preset", "--target", "--workflow", "--cflags", "--libs", "--changed", "--wheel",
+                   "--no-isolation", "--system-site-packages", "--no-index", "--no-deps"}
         code = text_below("apps", "bench") + "".join(path.read_text() for path in (ROOT / "scripts").glob("*")
                                                      if path.is_file())
         missing = sorted({f"{page.name}: {option}" for page in PAGES

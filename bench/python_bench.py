@@ -1,0 +1,105 @@
+"""What the Python module adds to the C++ library: processor time of both in one process, one thread, taking turns.
+
+    python_bench.py C++_SIDE [--mesh FILE] [--points N] [--rounds N]
+"""
+import argparse
+import ctypes
+import statistics
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import numpy as np
+
+import proxima
+
+
+def median_times(rounds, *sides):
+    """Median seconds of each side and of the first side's share in the second, round by round."""
+    taken = [[] for _ in sides]
+    for number in range(rounds + 1):
+        for side, times in zip(sides, taken):
+            begin = time.process_time()
+            side()
+            if number:  # the first round warms the memory
+                times.append(time.process_time() - begin)
+    ratio = statistics.median(a / b for a, b in zip(taken[0], taken[1]))
+    return [statistics.median(times) for times in taken], ratio
+
+
+def cpu_of(code, runs=9):
+    """Median processor milliseconds that a new interpreter takes for the code."""
+    program = f"import numpy, time\nbegin = time.process_time()\n{code}\nprint(time.process_time() - begin)"
+    return 1e3 * statistics.median(float(subprocess.run([sys.executable, "-c", program], check=True, capture_output=True,
+                                                        text=True).stdout) for _ in range(runs))
+
+
+def main():
+    parser = argparse.ArgumentParser()
+    parser.add_argument("library")
+    parser.add_argument("--mesh", default="/usr/share/glmark2/models/bunny.obj")
+    parser.add_argument("--points", type=int, default=1_000_000)
+    parser.add_argument("--rounds", type=int, default=7)
+    options = parser.parse_args()
+
+    cpp = ctypes.CDLL(options.library)
+    cpp.one_by_one.restype = ctypes.c_double
+    count = ctypes.c_size_t(options.points)
+    if not cpp.prepare(options.mesh.encode(), count):
+        sys.exit(f"{options.mesh} cannot be used")
+    mesh = proxima.Mesh.read(options.mesh)
+    index = proxima.Index(mesh)
+    lower, upper = mesh.bounds
+    random = np.random.default_rng(1)
+    points = lower + (1.2 * random.random((options.points, 3)) - 0.1) * (upper - lower)
+    address = points.ctypes.data_as(ctypes.c_void_p)
+
+    def address_of(array):
+        return array.ctypes.data_as(ctypes.c_void_p)
+
+    ids = index.closest(points, columns=("distance", "triangle"), threads=1)
+    whole = index.closest(points, threads=1)
+    squared, triangles = np.empty(options.points), np.empty(options.points, "i4")
+    few = points[:20_000]
+    numbers = few.tolist()
+    rows = list(few)
+    one = index.closest_one
+
+    def from_numbers():
+        for x, y, z in numbers:
+            one(x, y, z)
+
+    def from_rows():
+        for row in rows:
+            one(row)
+
+    print(f"{options.mesh}, {len(mesh.faces)} triangles, {options.points} points in its box, one thread, processor time,\n"
+          f"medians of {options.rounds} rounds; the ratio is that of Python to C++")
+    print(f"{'':34}{'Python':>12}{'C++':>12}{'ratio':>8}")
+
+    def show(name, per, unit, sides):
+        (ours, theirs), ratio = median_times(options.rounds, *sides)
+        print(f"{name:34}{ours / per:9.3f} {unit}{theirs / per:9.3f} {unit}{ratio:8.3f}")
+        return (ours - theirs) / per
+
+    us = 1e-6 * options.points
+    show("distances and ids, each", us, "us", (
+        lambda: index.closest(points, out=ids, threads=1),
+        lambda: cpp.distances_and_ids(address, count, address_of(squared), address_of(triangles))))
+    show("all columns, each", us, "us", (
+        lambda: index.closest(points, out=whole, threads=1), lambda: cpp.all_columns(address, count)))
+    us = 1e-6 * len(few)
+    beside = (lambda: cpp.one_by_one(address, ctypes.c_size_t(len(few))),)
+    more = show("closest_one(x, y, z), in a loop", us, "us", (from_numbers, *beside))
+    row = show("closest_one(row), in a loop", us, "us", (from_rows, *beside))
+    print(f"closest_one(x, y, z) takes {more:.2f} us more than C++, closest_one(row) {row:.2f} us")
+    print(f"import after NumPy's: {cpu_of('import proxima'):.1f} ms")
+    size = next(Path(proxima.__file__).parent.glob("_core*.so")).stat().st_size
+    print(f"the module has {size / 1e6:.2f} MB")
+    if not np.array_equal(np.sqrt(squared), ids.distance) or not np.array_equal(triangles, whole.triangle):
+        sys.exit("the answers differ")
+
+
+if __name__ == "__main__":
+    main()

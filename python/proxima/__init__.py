@@ -1,0 +1,29 @@
+"""Spatial questions about triangle meshes, answered in doubles.
+
+    import numpy as np, proxima
+
+    mesh = proxima.Mesh.read("bunny.obj")            # or proxima.Mesh(vertices, faces)
+    index = proxima.Index(mesh, signs=True)
+    points = np.random.default_rng(1).uniform(*mesh.bounds, (1000, 3))
+    distances = index.signed_distance(points)        # negative inside
+    closest = index.closest(points)                  # .distance .point .triangle .feature ...
+    hits = index.cast(points, np.array([[0, 0, 1.0]]).repeat(1000, 0))
+
+Ids of triangles, vertices and edges are int32, -1 for none. Lengths are in the mesh's unit. Arrays go in as float32 or
+float64 in any memory order. Answers are the same for every number of threads and every instruction set.
+"""
+from ._core import (Cancelled, ClosestOne, Error, FileMissing, FileNotWritable, Index, InvalidInput, LimitExceeded, Mesh,
+                    MinkowskiSum, Octree, Polyhedron, __version__, minkowski_sum, orthographic, perspective, separation)
+from ._results import (CELL_KINDS, FEATURE_KINDS, SIGN_METHODS, Closest, Distances, Facets, HitLists, Hits, Leaves,
+                       Neighbours, PairLists, Pairs, SumDistances)
+
+__all__ = [
+    "Mesh", "Index", "Octree", "Polyhedron", "MinkowskiSum", "minkowski_sum", "separation", "perspective", "orthographic",
+    "Closest", "ClosestOne", "Hits", "HitLists", "Pairs", "PairLists", "Distances", "Neighbours", "Leaves", "Facets",
+    "SumDistances", "FEATURE_KINDS", "SIGN_METHODS", "CELL_KINDS",
+    "Error", "InvalidInput", "FileMissing", "FileNotWritable", "LimitExceeded", "Cancelled", "__version__",
+]
+for _name in __all__:
+    if isinstance(globals()[_name], type) or callable(globals()[_name]):
+        globals()[_name].__module__ = "proxima"
+del _name

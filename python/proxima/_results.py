@@ -1,0 +1,91 @@
+"""What queries return: named tuples of arrays, one row for each query.
+
+Where a query has a list of answers, those of query i are rows first[i] to first[i + 1] - 1 of the other columns.
+"""
+from collections import namedtuple
+
+FEATURE_KINDS = ("vertex", "edge", "face")  # of Closest.feature_kind
+SIGN_METHODS = ("on_surface", "pseudonormal", "winding_number")  # of Index.signed_distance(method=True)
+CELL_KINDS = ("outer", "inner", "boundary", "unclassified")  # of Leaves.kind
+
+
+def _represent(self):
+    columns = ", ".join(f"{name} {column.dtype}{list(column.shape)}" if hasattr(column, "dtype") else f"{name} {column}"
+                        for name, column in zip(self._fields, self))
+    return f"<proxima.{type(self).__name__}: {columns}>"
+
+
+def _result(name, doc, **columns):
+    kind = namedtuple(name, columns, module="proxima")
+    kind.__doc__ = doc
+    for column, text in columns.items():
+        getattr(kind, column).__doc__ = text
+    return type(name, (kind,), {"__slots__": (), "__doc__": doc, "__repr__": _represent, "__module__": "proxima"})
+
+
+_FIRST = "(n + 1,) int64: rows of query i begin at first[i] and end before first[i + 1]"
+
+Closest = _result(
+    "Closest", "The closest points of a mesh to n points. Columns that were not asked for are None.",
+    distance="(n,) float64, in the mesh's unit",
+    point="(n, 3) float64: the closest point",
+    triangle="(n,) int32: the lowest triangle that has the feature",
+    feature_kind="(n,) uint8: 0 vertex, 1 edge, 2 face, the lowest-dimensional feature that holds the point",
+    feature="(n,) int32: the id of the vertex, edge or triangle; edges by first appearance in the faces",
+    barycentric="(n, 3) float64: of the point in the triangle, in [0, 1], sum 1")
+
+Hits = _result(
+    "Hits", "The first hits of n rays: point = origin + t direction = (1 - u - v) a + u b + v c.",
+    t="(n,) float64, in units of the direction; inf for a miss",
+    triangle="(n,) int32, -1 for a miss",
+    u="(n,) float64, NaN for a miss",
+    v="(n,) float64, NaN for a miss")
+Hits.hit = property(lambda self: self.triangle >= 0, doc="(n,) bool: whether the ray hits")
+
+HitLists = _result(
+    "HitLists", "All hits of n rays, those of each by t, then triangle.",
+    first=_FIRST, t="(m,) float64", triangle="(m,) int32", u="(m,) float64", v="(m,) float64")
+
+Pairs = _result(
+    "Pairs", "Triangles of two meshes that meet, by a, then b.",
+    a="(m,) int32: triangles of the index", b="(m,) int32: triangles of the other")
+Pairs.intersecting = property(lambda self: len(self.a) > 0, doc="bool: whether the meshes meet")
+
+PairLists = _result(
+    "PairLists", "Triangles of two meshes that meet, for n poses.",
+    first=_FIRST, a="(m,) int32: triangles of the index", b="(m,) int32: triangles of the other")
+PairLists.intersecting = property(lambda self: self.first[1:] > self.first[:-1],
+                                  doc="(n,) bool: for which poses the meshes meet")
+
+Distances = _result(
+    "Distances", "Distances of two surfaces, for n poses; single values where one pose was given.",
+    distance="(n,) float64: 0 where they touch, inf where nothing was found",
+    point_a="(n, 3) float64: the closest point of the index's mesh",
+    point_b="(n, 3) float64: that of the other, moved",
+    triangle_a="(n,) int32, -1 where nothing was found",
+    triangle_b="(n,) int32, -1 where nothing was found")
+
+Neighbours = _result(
+    "Neighbours", "The triangles near n points, those of each ascending.",
+    first=_FIRST, triangle="(m,) int32")
+
+Leaves = _result(
+    "Leaves", "The n leaves of an octree in Morton order.",
+    key="(n,) uint64: 1, then three bits (z, y, x) for each level",
+    depth="(n,) uint8",
+    kind="(n,) uint8: 0 outer, 1 inner, 2 boundary, 3 unclassified",
+    lower="(n, 3) float64: lowest corner",
+    upper="(n, 3) float64: highest corner",
+    first=_FIRST,
+    triangle="(m,) int32: the triangles that touch each leaf, ascending")
+
+Facets = _result(
+    "Facets", "The n facets of a polyhedron.",
+    first=_FIRST, vertex="(m,) int32: loops of vertices, counter-clockwise seen from outside")
+
+SumDistances = _result(
+    "SumDistances", "Distances of n points from the surface of a Minkowski sum.",
+    distance="(n,) float64, negative inside",
+    nearest="(n, 3) float64: the nearest point of the surface",
+    direction="(n, 3) float64, of length 1: outward",
+    facet="(n,) int32: that holds the nearest point, -1 for a flat sum")

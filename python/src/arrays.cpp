@@ -1,0 +1,136 @@
+#include "arrays.h"
+
+#include <limits>
+
+namespace proxima::python {
+
+namespace {
+
+/// Doubles in C order at addresses that hold doubles.
+using Doubles = py::array_t<double, py::array::c_style | py::array::forcecast |
+                                        py::detail::npy_api::NPY_ARRAY_ALIGNED_>;
+
+std::string shape_text(const py::array& array)
+{
+    return py::str(array.attr("shape")).cast<std::string>();
+}
+
+py::array any_array(const py::handle& object, const char* name)
+{
+    py::array array = py::array::ensure(object);
+    if (!array) {
+        PyErr_Clear();
+        refuse(name,
+               "must be an array of numbers, is a " + std::string(Py_TYPE(object.ptr())->tp_name));
+    }
+    return array;
+}
+
+[[noreturn]] void refuse_type(const py::array& array, const char* name, const char* wanted)
+{
+    refuse(name, std::string("must be an array of ") + wanted + ", has dtype " +
+                     py::str(array.dtype()).cast<std::string>());
+}
+
+void check_shape(const py::array& array, const char* name)
+{
+    if (array.ndim() != 2 || array.shape(1) != 3)
+        refuse(name, "must have shape (n, 3), has " + shape_text(array));
+}
+
+template <class From>
+void copy_corners(const py::array& array, const char* name, std::vector<TriangleCorners>& corners)
+{
+    const auto from = py::array_t<From, py::array::c_style | py::array::forcecast>(array);
+    const From* value = from.data();
+    constexpr auto most = std::numeric_limits<std::uint32_t>::max();
+    for (std::size_t i = 0; i < corners.size(); ++i) {
+        for (std::uint32_t& corner : corners[i]) {
+            const From index = *value++;
+            if (index < 0 || static_cast<std::uint64_t>(index) > most) {
+                refuse(name, "triangle " + std::to_string(i) + " has the vertex index " +
+                                 std::to_string(index));
+            }
+            corner = static_cast<std::uint32_t>(index);
+        }
+    }
+}
+
+} // namespace
+
+py::array_t<double> doubles_of(const py::handle& object, const char* name)
+{
+    const py::array array = any_array(object, name);
+    if (std::string_view("fiu").find(array.dtype().kind()) == std::string_view::npos)
+        refuse_type(array, name, "numbers");
+    return Doubles(array);
+}
+
+PointsArgument::PointsArgument(const py::handle& object, const char* name)
+    : array_(doubles_of(object, name))
+{
+    check_shape(array_, name);
+    points_ = {static_cast<const Vec3*>(static_cast<const void*>(array_.data())),
+               static_cast<std::size_t>(array_.shape(0))};
+}
+
+Vec3 point_of(const py::handle& object, const char* name)
+{
+    const py::array_t<double> array = doubles_of(object, name);
+    if (array.ndim() != 1 || array.shape(0) != 3)
+        refuse(name, "must have shape (3,), has " + shape_text(array));
+    return Vec3(array.data());
+}
+
+std::vector<TriangleCorners> corners_of(const py::handle& object, const char* name)
+{
+    const py::array array = any_array(object, name);
+    const char kind = array.dtype().kind();
+    const bool empty = array.size() == 0; // an empty list has dtype float64
+    if (kind != 'i' && kind != 'u' && !empty) refuse_type(array, name, "integers");
+    check_shape(array, name);
+    std::vector<TriangleCorners> corners(static_cast<std::size_t>(array.shape(0)));
+    if (kind == 'u') {
+        copy_corners<std::uint64_t>(array, name, corners);
+    } else {
+        copy_corners<std::int64_t>(array, name, corners);
+    }
+    return corners;
+}
+
+Poses poses_of(const py::object& object)
+{
+    if (object.is_none()) return {{RigidTransform{}}, true};
+    const py::array_t<double> array = doubles_of(object, "poses");
+    const auto dimensions = array.ndim();
+    if ((dimensions != 2 && dimensions != 3) || array.shape(dimensions - 1) != 4 ||
+        (array.shape(dimensions - 2) != 3 && array.shape(dimensions - 2) != 4)) {
+        refuse("poses",
+               "must have shape (3, 4), (4, 4), (n, 3, 4) or (n, 4, 4), has " + shape_text(array));
+    }
+    const auto numbers = static_cast<std::size_t>(4 * array.shape(dimensions - 2));
+    const auto count = static_cast<std::size_t>(array.size()) / numbers;
+    Poses poses{{}, dimensions == 2};
+    for (std::size_t i = 0; i < count; ++i) {
+        const double* const matrix = array.data() + i * numbers;
+        const std::string name = poses.single ? "poses" : "pose " + std::to_string(i);
+        const bool whole = numbers == 16;
+        if (whole && (matrix[12] != 0 || matrix[13] != 0 || matrix[14] != 0 || matrix[15] != 1))
+            refuse(name, "the last row must be 0 0 0 1");
+        auto pose = make_rigid_transform(std::span<const double, 12>(matrix, 12));
+        if (!pose) {
+            pose.error().where = name;
+            throw Failure(pose.error());
+        }
+        poses.poses.push_back(*pose);
+    }
+    return poses;
+}
+
+py::array view_of(py::array array)
+{
+    array.attr("setflags")(py::arg("write") = false);
+    return array;
+}
+
+} // namespace proxima::python

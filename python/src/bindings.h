@@ -1,0 +1,22 @@
+// The parts of the module. Docstrings are what Python shows: shapes, units, errors, cost.
+#pragma once
+
+#include <pybind11/pybind11.h>
+
+namespace proxima::python {
+
+namespace py = pybind11;
+
+void bind_mesh(py::module_& module);
+void bind_index(py::module_& module);
+void bind_closest_one(py::module_& module);
+void bind_octree(py::module_& module);
+void bind_minkowski(py::module_& module);
+
+/// A class of proxima/_results.py, the named tuples of arrays that queries return.
+[[nodiscard]] inline py::object result_type(const char* name)
+{
+    return py::module_::import("proxima._results").attr(name);
+}
+
+} // namespace proxima::python

@@ -1,0 +1,53 @@
+// Errors of the library as Python exceptions.
+//
+//     proxima.Error            has .code, the name of the ErrorCode
+//       InvalidInput           also a ValueError
+//       FileMissing            also a FileNotFoundError
+//       FileNotWritable        also an OSError
+//       LimitExceeded          also a MemoryError
+//       Cancelled
+#pragma once
+
+#include "proxima/result.h"
+
+#include <exception>
+#include <pybind11/pybind11.h>
+#include <string>
+#include <utility>
+
+namespace proxima::python {
+
+namespace py = pybind11;
+
+/// An error on its way to Python.
+class Failure : public std::exception {
+public:
+    explicit Failure(Error error) : error_(std::move(error)), text_(describe(error_)) {}
+    [[nodiscard]] const char* what() const noexcept override { return text_.c_str(); }
+    [[nodiscard]] const Error& error() const noexcept { return error_; }
+
+private:
+    Error error_;
+    std::string text_;
+};
+
+/// Refuses an argument.
+[[noreturn]] inline void refuse(std::string argument, std::string message)
+{
+    throw Failure({ErrorCode::invalid_argument, std::move(message), std::move(argument)});
+}
+
+template <class T>
+[[nodiscard]] T value_of(Result<T> result)
+{
+    if (!result) throw Failure(std::move(result.error()));
+    if constexpr (!std::is_void_v<T>) return *std::move(result);
+}
+
+/// Sets Python's error.
+void set_error(const Failure& failure);
+
+/// Adds the exceptions to the module, and what turns Failures into them.
+void bind_errors(py::module_& module);
+
+} // namespace proxima::python

@@ -1,0 +1,118 @@
+#include "arrays.h"
+#include "bindings.h"
+#include "proxima/mesh_io.h"
+#include "proxima/sample_meshes.h"
+#include "proxima/triangle_mesh.h"
+#include "run.h"
+
+#include <filesystem>
+#include <memory>
+#include <pybind11/stl/filesystem.h>
+#include <string>
+
+namespace proxima::python {
+
+namespace {
+
+TriangleMesh make_mesh(const py::object& vertices, const py::object& faces)
+{
+    const PointsArgument positions(vertices, "vertices");
+    const auto points = positions.points();
+    return value_of(make_triangle_mesh({points.begin(), points.end()}, corners_of(faces, "faces")));
+}
+
+TriangleMesh read(const std::filesystem::path& path, const py::object& progress)
+{
+    return run(progress, Duration::lengthy, [&](Progress* watched) {
+        return read_mesh(path, {.execution = {.progress = watched}});
+    });
+}
+
+void write(const TriangleMesh& mesh, const std::filesystem::path& path, const py::object& progress)
+{
+    run(progress, Duration::lengthy, [&](Progress* watched) {
+        return write_mesh(mesh, path, {.execution = {.progress = watched}});
+    });
+}
+
+TriangleMesh make_sample(const std::string& name)
+{
+    return run(py::none(), Duration::lengthy, [&](Progress* watched) {
+        return sample_mesh(name, {.execution = {.progress = watched}});
+    });
+}
+
+py::array vertices_of(const py::object& self)
+{
+    const auto positions = self.cast<const TriangleMesh&>().positions();
+    return view_of(py::array_t<double>(
+        std::vector{static_cast<py::ssize_t>(positions.size()), py::ssize_t{3}},
+        static_cast<const double*>(static_cast<const void*>(positions.data())), self));
+}
+
+py::array faces_of(const py::object& self)
+{
+    const auto triangles = self.cast<const TriangleMesh&>().triangles();
+    return view_of(py::array_t<std::uint32_t>(
+        std::vector{static_cast<py::ssize_t>(triangles.size()), py::ssize_t{3}},
+        static_cast<const std::uint32_t*>(static_cast<const void*>(triangles.data())), self));
+}
+
+py::array bounds_of(const TriangleMesh& mesh)
+{
+    const Box box = value_of(checked_bounding_box(mesh));
+    auto bounds = new_rows<double>(2, 3);
+    elements_of<Vec3>(bounds)[0] = box.lower;
+    elements_of<Vec3>(bounds)[1] = box.upper;
+    return bounds;
+}
+
+std::string represent(const TriangleMesh& mesh)
+{
+    return "<proxima.Mesh: " + std::to_string(mesh.vertex_count()) + " vertices, " +
+           std::to_string(mesh.triangle_count()) + " triangles>";
+}
+
+} // namespace
+
+void bind_mesh(py::module_& module)
+{
+    py::class_<TriangleMesh>(module, "Mesh",
+                             R"(A triangle mesh. Immutable; any number of threads may use it.
+
+Mesh(vertices, faces)
+
+    vertices  (V, 3) floats, in any unit: all lengths are in that unit
+    faces     (F, 3) integers, indices into vertices, counter-clockwise seen from outside
+
+float32 or float64, any memory order; both arrays are copied. Raises InvalidInput where an index is out of
+range. NaN and infinite coordinates are refused when an Index or an Octree is built.)")
+        .def(py::init(&make_mesh), py::arg("vertices"), py::arg("faces"))
+        .def_static("read", &read, py::arg("path"), py::kw_only(), py::arg("progress") = py::none(),
+                    R"(Reads OBJ, PLY, STL or OFF in float64; 3DS, glTF and GLB by assimp.
+
+Polygons become triangles; vertices and faces keep the order of the file. Raises FileMissing, or InvalidInput with file
+and line.)")
+        .def("write", &write, py::arg("path"), py::kw_only(), py::arg("progress") = py::none(),
+             "Writes OBJ, PLY, STL or OFF, told by the extension: whole or not at all.")
+        .def_static(
+            "sample", &make_sample, py::arg("name"),
+            R"(A built-in mesh: "cube", "octahedron", "sphere:STACKSxSLICES", "icosphere:N", "torus:NxM",
+"spaceship:TRIANGLES".)")
+        .def_property_readonly("vertices", &vertices_of,
+                               "(V, 3) float64, read-only, the mesh's own memory.")
+        .def_property_readonly("faces", &faces_of,
+                               "(F, 3) uint32, read-only, the mesh's own memory.")
+        .def_property_readonly(
+            "bounds", &bounds_of,
+            "(2, 3) float64: lowest and highest corner of the box of all triangles.")
+        .def("__repr__", &represent)
+        .def("__copy__", [](const py::object& self) { return self; })
+        .def("__deepcopy__", [](const py::object& self, const py::dict&) { return self; })
+        .def("__reduce__", [](const py::object& self) {
+            return py::make_tuple(self.attr("__class__"),
+                                  py::make_tuple(vertices_of(self), faces_of(self)));
+        });
+}
+
+} // namespace proxima::python

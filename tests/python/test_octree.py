@@ -1,0 +1,61 @@
+import gc
+
+import numpy as np
+import pytest
+
+import oracles
+import proxima
+
+
+def boxes_meet(mesh, lower, upper):
+    """(n, F): whether boxes of triangles and leaves have a common point."""
+    corners = oracles.corners(mesh)
+    return ((corners.min(1) <= upper[:, None]) & (corners.max(1) >= lower[:, None])).all(axis=2)
+
+
+def test_leaves(mesh):
+    octree = proxima.Octree(mesh, max_depth=4, threshold=3)
+    leaves = octree.leaves()
+    assert np.prod(leaves.upper - leaves.lower, axis=1).sum() == pytest.approx(
+        (leaves.upper.max(0) - leaves.lower.min(0)).prod())
+    assert np.array_equal(np.diff(leaves.first) > 0, leaves.kind == 2)
+    leaf = np.repeat(np.arange(len(leaves.kind)), np.diff(leaves.first))
+    assert boxes_meet(mesh, leaves.lower, leaves.upper)[leaf, leaves.triangle].all()
+    assert set(leaves.triangle) == set(range(len(mesh.faces)))
+    centres = (leaves.lower + leaves.upper) / 2
+    inside = oracles.winding_numbers(mesh, centres) > 0.5
+    empty = leaves.kind != 2
+    assert np.array_equal(leaves.kind[empty] == 1, inside[empty]) and (leaves.kind == 1).any()
+    assert (leaves.key >> (3 * leaves.depth.astype("u8")) == 1).all()
+
+
+def test_statistics_count_the_leaves(mesh):
+    octree = proxima.Octree(mesh, max_depth=4, threshold=3, root="box")
+    leaves, counts = octree.leaves(), octree.statistics
+    assert counts["leaves"] == len(leaves.kind) and counts["references"] == len(leaves.triangle)
+    assert counts["boundary"] == (leaves.kind == 2).sum() and counts["inner"] == (leaves.kind == 1).sum()
+    assert counts["depth_reached"] == leaves.depth.max() and f"{len(leaves.kind)} leaves" in repr(octree)
+    plain = proxima.Octree(mesh, uniform=True, max_depth=2, classify=False, threads=1)
+    assert plain.statistics["leaves"] == 64 and (plain.leaves().kind >= 2).all()
+
+
+def test_files(tmp_path, mesh):
+    octree = proxima.Octree(mesh)
+    octree.save(tmp_path / "a.pxo")
+    other = proxima.Octree.load(tmp_path / "a.pxo")
+    expected = octree.leaves()
+    octree.export(mesh, tmp_path / "a.vtu")
+    assert (tmp_path / "a.vtu").stat().st_size > 1000
+    del octree
+    gc.collect()
+    assert all(np.array_equal(a, b) for a, b in zip(other.leaves(), expected))
+    with pytest.raises(proxima.FileMissing):
+        proxima.Octree.load(tmp_path / "none.pxo")
+
+
+def test_refuses_wrong_options(mesh):
+    for options, says in ((dict(max_depth=20), "19"), (dict(root="ball"), "root: "), (dict(threads=-2), "threads: ")):
+        with pytest.raises(proxima.InvalidInput, match=says):
+            proxima.Octree(mesh, **options)
+    with pytest.raises(proxima.Cancelled):
+        proxima.Octree(proxima.Mesh.sample("spaceship:100000"), max_depth=9, threads=1, progress=lambda *_: False)

@@ -1,0 +1,83 @@
+"""The package as a whole: docs, size, what it links, its wheel."""
+import os
+import re
+import subprocess
+import sys
+import zipfile
+from pathlib import Path
+
+import numpy as np
+
+import proxima
+
+ROOT = Path(__file__).resolve().parents[2]
+PACKAGE = Path(proxima.__file__).parent
+MODULE = next(PACKAGE.glob("_core*.so"))
+
+
+def members():
+    for name in proxima.__all__:
+        thing = getattr(proxima, name)
+        if callable(thing):
+            yield name, thing
+        if isinstance(thing, type) and not issubclass(thing, BaseException):
+            for attribute, value in vars(thing).items():
+                if not attribute.startswith("_") and (callable(value) or isinstance(value, (property, staticmethod))):
+                    yield f"{name}.{attribute}", getattr(thing, attribute)
+
+
+def test_everything_is_documented():
+    counts = {"Index.triangle_count", "Index.vertex_count", "Index.edge_count", "Index.has_lists", "Index.has_distances",
+              "Index.has_signs"}
+    assert [name for name, thing in members() if not (thing.__doc__ or "").strip() and name not in counts] == []
+
+
+def test_names_are_those_of_the_package():
+    assert {name for name in vars(proxima) if not name.startswith("_")} == set(proxima.__all__) - {"__version__"}
+    for name in proxima.__all__:
+        if callable(getattr(proxima, name)):
+            assert getattr(proxima, name).__module__ == "proxima", name
+
+
+def test_the_example_of_the_docs_runs(tmp_path):
+    pages = [ROOT / "docs/python.md", ROOT / "README.md"]
+    for page in pages:
+        for number, code in enumerate(re.findall(r"```python\n(.*?)```", page.read_text(), re.DOTALL)):
+            done = subprocess.run([sys.executable, "-c", code], cwd=tmp_path, capture_output=True, text=True)
+            assert done.returncode == 0, f"{page.name}, program {number}:\n{code}\n{done.stderr}"
+
+
+def test_the_module_is_small_and_exports_its_beginning_only():
+    assert MODULE.stat().st_size < 4_000_000
+    listed = subprocess.run(["nm", "-D", "--defined-only", MODULE], capture_output=True, text=True, check=True).stdout
+    assert [line.split()[-1] for line in listed.splitlines()] == ["PyInit__core"]
+
+
+def test_the_module_does_without_assimp():
+    listed = subprocess.run(["readelf", "-d", MODULE], capture_output=True, text=True, check=True).stdout
+    assert "libtbb" in listed and "assimp" not in listed
+
+
+def test_the_version_is_the_project_s():
+    version = re.search(r"project\(proxima VERSION ([\d.]+)", (ROOT / "CMakeLists.txt").read_text())[1]
+    assert proxima.__version__ == version
+
+
+def test_the_wheel_works_elsewhere(tmp_path):
+    sys.path.insert(0, str(ROOT / "python"))
+    import build_wheel
+
+    name = build_wheel.build_wheel(str(tmp_path), {"build-dir": os.environ["PROXIMA_BUILD"]})
+    assert re.fullmatch(r"proxima-[\d.]+-cp3\d+-cp3\d+-linux_\w+\.whl", name)
+    with zipfile.ZipFile(tmp_path / name) as wheel:
+        wheel.extractall(tmp_path / "site")
+    assert (tmp_path / "site/proxima/_results.py").exists()
+    answer = subprocess.run([sys.executable, "-c", "import proxima; print(proxima.__file__, proxima.Mesh.sample('cube'))"],
+                            env={"PYTHONPATH": str(tmp_path / "site"), "PYTHONDONTWRITEBYTECODE": "1"}, cwd=tmp_path,
+                            capture_output=True, text=True, check=True).stdout
+    assert str(tmp_path) in answer and "8 vertices" in answer
+
+
+def test_numbers_of_numpy_are_taken_as_options():
+    index = proxima.Index(proxima.Mesh.sample("cube"), threads=np.int64(1))
+    assert len(index.within([[0, 0, 0]], np.float32(2)).triangle) == 12
