@@ -12,7 +12,7 @@ using namespace proxima;
 
 namespace {
 
-MeshIndex index;
+MeshIndex mesh_index;
 std::vector<ClosestFeature> answers;
 
 std::span<const Vec3> points_of(const double* points, std::size_t count)
@@ -32,7 +32,7 @@ PROXIMA_EXPORT bool prepare(const char* mesh, std::size_t most_points)
     const auto built =
         read_mesh(mesh).and_then([](const TriangleMesh& read) { return build_mesh_index(read); });
     if (!built) return false;
-    index = *built;
+    mesh_index = *built;
     answers.resize(most_points);
     return true;
 }
@@ -41,14 +41,14 @@ PROXIMA_EXPORT bool distances_and_ids(const double* points, std::size_t count, d
                                       TriangleId* triangles)
 {
     return closest_features(
-               index, points_of(points, count),
+               mesh_index, points_of(points, count),
                {.squared_distances = {squared, count}, .triangles = {triangles, count}}, one_thread)
         .has_value();
 }
 
 PROXIMA_EXPORT bool all_columns(const double* points, std::size_t count)
 {
-    return closest_features(index, points_of(points, count),
+    return closest_features(mesh_index, points_of(points, count),
                             {.answers = std::span(answers).first(count)}, one_thread)
         .has_value();
 }
@@ -58,7 +58,7 @@ PROXIMA_EXPORT double one_by_one(const double* points, std::size_t count)
 {
     double sum = 0;
     for (const Vec3& point : points_of(points, count))
-        sum += std::sqrt(closest_feature(index, point)->squared_distance);
+        sum += std::sqrt(closest_feature(mesh_index, point)->squared_distance);
     return sum;
 }
 }

@@ -165,7 +165,7 @@ void bind_closest_one(py::module_& module)
         {0, nullptr}};
     static PyType_Spec spec = {"proxima.ClosestOne", sizeof(ClosestOne), 0,
                                Py_TPFLAGS_DEFAULT | Py_TPFLAGS_DISALLOW_INSTANTIATION, slots};
-    py::object type = py::reinterpret_steal<py::object>(PyType_FromSpec(&spec));
+    auto type = py::reinterpret_steal<py::object>(PyType_FromSpec(&spec));
     if (!type) throw py::error_already_set();
     module.attr("ClosestOne") = type;
     closest_one_type = reinterpret_cast<PyTypeObject*>(type.release().ptr());

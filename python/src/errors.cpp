@@ -76,7 +76,7 @@ void bind_errors(py::module_& module)
 {
     const auto add = [&](const char* name, const char* doc, const py::tuple& bases) {
         const std::string full = std::string("proxima.") + name;
-        py::object type = py::reinterpret_steal<py::object>(
+        auto type = py::reinterpret_steal<py::object>(
             PyErr_NewExceptionWithDoc(full.c_str(), doc, bases.ptr(), nullptr));
         if (!type) throw py::error_already_set();
         module.attr(name) = type;
@@ -102,7 +102,7 @@ void bind_errors(py::module_& module)
                           py::make_tuple(types.error));
     py::register_exception_translator([](std::exception_ptr thrown) {
         try {
-            if (thrown) std::rethrow_exception(thrown);
+            if (thrown) std::rethrow_exception(std::move(thrown));
         } catch (const Failure& failure) {
             set_error(failure);
         }

@@ -246,7 +246,7 @@ Faces faces_named(const std::string& name)
     if (name == "both") return Faces::both;
     if (name == "front") return Faces::front;
     if (name == "back") return Faces::back;
-    refuse("faces", "must be \"both\", \"front\" or \"back\", is \"" + name + "\"");
+    refuse("faces", R"(must be "both", "front" or "back", is ")" + name + "\"");
 }
 
 /// Columns of hits.
@@ -319,7 +319,7 @@ py::object cast_rays(const MeshIndex& index, const py::object& origins,
         return result_type("HitLists")(
             array_of<std::int64_t>(std::span<const std::size_t>(lists.first)), *arrays.columns());
     }
-    refuse("hits", "must be \"first\", \"any\" or \"all\", is \"" + hits + "\"");
+    refuse("hits", R"(must be "first", "any" or "all", is ")" + hits + "\"");
 }
 
 // ---- views

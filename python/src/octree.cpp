@@ -17,7 +17,7 @@ RootShape root_named(const std::string& name)
 {
     if (name == "cube") return RootShape::cube;
     if (name == "box") return RootShape::box;
-    refuse("root", "must be \"cube\" or \"box\", is \"" + name + "\"");
+    refuse("root", R"(must be "cube" or "box", is ")" + name + "\"");
 }
 
 Octree build(const TriangleMesh& mesh, int max_depth, std::uint32_t threshold, bool uniform,

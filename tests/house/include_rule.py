@@ -72,7 +72,7 @@ KERNELS = {f"src/octree/{name}" for name in (
 
 # Headers of one processor: immintrin.h, x86intrin.h, arm_neon.h, riscv_vector.h and their like.
 INTRINSICS = re.compile(r"^(\w*intrin|cpuid|(arm|riscv)_\w+|altivec|wasm_simd128|msa)\.h$")
-OTHER_FOLDERS = ("tests", "bench", "fuzz", "examples")
+OTHER_FOLDERS = ("tests", "bench", "fuzz", "examples", "python")
 
 INCLUDE = re.compile(r'^\s*#\s*include\s*(["<])([^">]+)[">]')
 

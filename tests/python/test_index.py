@@ -6,6 +6,7 @@ import signal
 import sys
 import threading
 import time
+import tracemalloc
 
 import numpy as np
 import pytest
@@ -70,14 +71,16 @@ def test_any_type_and_memory_order(index, points, make):
 def test_doubles_in_c_order_are_not_copied(index):
     points = np.zeros((200_000, 3))
     out = index.closest(points, columns=["triangle"])
-    before = memory()
-    index.closest(points, out=out, threads=1)
-    assert memory() - before < points.nbytes // 4
 
+    def allocated(given):
+        tracemalloc.start()
+        index.closest(given, out=out)
+        peak = tracemalloc.get_traced_memory()[1]
+        tracemalloc.stop()
+        return peak
 
-def memory():
-    import resource
-    return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * 1024
+    assert allocated(points) < points.nbytes // 100
+    assert allocated(np.asfortranarray(points)) >= points.nbytes
 
 
 @pytest.mark.parametrize("bad, says", [
@@ -320,8 +323,8 @@ def test_ctrl_c_stops_long_work():
     begin = time.monotonic()
     timer.start()
     with pytest.raises(KeyboardInterrupt):
-        proxima.Index(mesh, lists=True, threads=1)  # takes a quarter of a minute
-    assert time.monotonic() - begin < 8
+        proxima.Index(mesh, lists=True, threads=1)  # takes minutes
+    assert time.monotonic() - begin < 30
 
 
 def test_other_threads_run_meanwhile(index):

@@ -1,6 +1,7 @@
 import copy
 import gc
 import pickle
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -75,6 +76,7 @@ def test_reads_what_it_writes(tmp_path, mesh, name):
     assert np.allclose(read.vertices[read.faces], mesh.vertices[mesh.faces], atol=1e-6)
 
 
+@pytest.mark.skipif(not list(Path(proxima.__file__).parent.glob("libproxima_scenes*")), reason="built without assimp")
 def test_reads_scenes():
     scene = proxima.Mesh.read("fuzz/corpus/glb/two_tetrahedra.glb")
     assert len(scene.faces) == 8
