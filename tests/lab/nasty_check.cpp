@@ -41,7 +41,8 @@ namespace {
 
 using oracle::NastyMesh;
 
-constexpr std::size_t few_triangles = 1000; ///< of which all pairs are looked at
+constexpr std::size_t few_triangles = 1000;    ///< of which all pairs are looked at
+constexpr std::size_t many_triangles = 10'000; ///< which not all operations can do round a vertex
 
 /// Collects what came of an operation.
 class Comparison {
@@ -61,6 +62,8 @@ public:
         return result ? true : refused(result.error());
     }
     bool has(const Status& status) { return status ? true : refused(status.error()); }
+
+    void leave_out() { outcome_.left_out = true; }
 
     [[nodiscard]] const NastyOutcome& outcome() const { return outcome_; }
 
@@ -88,6 +91,7 @@ struct Subject {
                             bounding_box(mesh).upper.cwiseAbs().maxCoeff());
 
     [[nodiscard]] bool is_small() const { return mesh.triangle_count() <= few_triangles; }
+    [[nodiscard]] bool is_large() const { return mesh.triangle_count() > many_triangles; }
 };
 
 std::string text_of(const Vec3& p)
@@ -161,13 +165,14 @@ void check_closest(const Subject& on, Comparison& to)
 
 void check_lists(const Subject& on, Comparison& to)
 {
-    // Where very many triangles are equally near along a line, deep lists take hours.
-    const auto listed = with_lists(on.index, {.max_depth = on.is_small() ? max_list_depth : 3});
+    if (on.is_large()) return to.leave_out();
+    const auto listed = with_lists(on.index);
     if (to.has(listed)) compare_closest(on, *listed, to);
 }
 
 void check_signs(const Subject& on, Comparison& to)
 {
+    if (on.is_large()) return to.leave_out();
     const auto index = with_signs(on.index);
     if (!to.has(index)) return;
     for (const Vec3& p : on.points) {
@@ -241,7 +246,7 @@ void check_distances(const Subject& on, Comparison& to)
 
 void check_self_intersections(const Subject& on, Comparison& to)
 {
-    if (!on.is_small()) return; // all triangles of a vertex are pairs to look at
+    if (on.is_large()) return to.leave_out();
     const auto found = find_self_intersections(on.index);
     if (!to.has(found)) return;
     for (const TrianglePair& pair : found->pairs)
@@ -296,6 +301,7 @@ void check_polyhedron(const Subject& on, Comparison& to)
 
 void check_touch(const Subject& on, Comparison& to)
 {
+    if (on.is_large()) return to.leave_out(); // it wants signs
     const DeviceLimits limits = *find_device("omni");
     auto renderer = make_haptic_renderer(
         on.index, fit_workspace(bounding_box(on.mesh), limits.workspace_radius), limits);
