@@ -40,7 +40,10 @@ IndexFrame index_frame(const Box& box, bool has_floats) noexcept
         frame.center[axis] = float_center(box.lower[axis], box.upper[axis]);
     const double reach =
         std::max((box.upper - frame.center).maxCoeff(), (frame.center - box.lower).maxCoeff());
-    if (reach > 0) frame.scale = std::ldexp(1.0, std::clamp(-std::ilogb(reach) - 1, -1000, 1000));
+    // A point has no size, although its centre may be rounded.
+    const bool is_point = (box.upper.array() == box.lower.array()).all();
+    if (reach > 0 && !is_point)
+        frame.scale = std::ldexp(1.0, std::clamp(-std::ilogb(reach) - 1, -1000, 1000));
     return frame;
 }
 

@@ -15,6 +15,8 @@ struct NastyOutcome {
     std::uint64_t comparisons = 0; ///< with its oracle
     std::string refusal;           ///< the error's words
     std::string wrong;             ///< what the oracle says otherwise, or an error without words
+    bool left_out = false; ///< for its time grows with the square of the triangles of a vertex
+    double seconds = 0;    ///< the oracle's included
 };
 
 /// The work of one check: operations compare that many points, rays and so on.

@@ -6,8 +6,10 @@
 #include "proxima/mesh_index.h"
 #include "query/closest/brute_force.h"
 
+#include <array>
 #include <cmath>
 #include <gtest/gtest.h>
+#include <limits>
 
 namespace proxima {
 namespace {
@@ -72,6 +74,15 @@ TEST(ClosestInIndex, AnswersLikeBruteForceAtEveryScale)
             expect_answers_of_brute_force(mesh, points);
         }
     }
+}
+
+// Half the least double is none, so the middle of this mesh is beside it.
+TEST(ClosestInIndex, AnswersLikeBruteForceToAPointOfTheLeastDouble)
+{
+    const double least = std::numeric_limits<double>::denorm_min();
+    const TriangleMesh mesh =
+        mesh_of({Vec3(-least, -1, -13), Vec3(-least, -1, -13)}, {{0, 1, 0}, {1, 1, 1}});
+    expect_answers_of_brute_force(mesh, std::array{Vec3(15.5, 4, -15), Vec3(0, -1, -13)});
 }
 
 TEST(ClosestInIndex, NamesTheSameFeatureAtEveryPowerOfTwo)
