@@ -1,12 +1,15 @@
 // Tools that are driven into objects from anywhere, turning: they enter nothing and pass nothing.
+#include "geometry/triangle_distance.h"
 #include "haptics/tool/rigid_motion.h"
 #include "haptics/tool/tool_bench.h"
 #include "haptics/touch_meshes.h"
 #include "proxima/mesh_distance.h"
+#include "proxima/mesh_io.h"
 #include "proxima/sample_meshes.h"
 #include "proxima/tool_renderer.h"
 
 #include <algorithm>
+#include <filesystem>
 #include <gtest/gtest.h>
 #include <random>
 #include <string>
@@ -133,6 +136,135 @@ TEST_P(ToolApproaches, PassNothing)
     }
     std::cout << object.name << ": " << touches << " ticks in contact\n";
     EXPECT_GT(touches, 100);
+}
+
+/// All triangles of an object, looked at one by one: no tree, no lanes, no list.
+class EveryTriangle {
+public:
+    explicit EveryTriangle(const TriangleMesh& mesh)
+    {
+        for (std::uint32_t i = 0; i < mesh.triangle_count(); ++i) {
+            Ball ball;
+            ball.triangle = mesh.triangle(TriangleId{i});
+            ball.center = (ball.triangle[0] + ball.triangle[1] + ball.triangle[2]) / 3;
+            for (const Vec3& p : ball.triangle.vertices)
+                ball.radius = std::max(ball.radius, (p - ball.center).norm());
+            balls_.push_back(ball);
+        }
+    }
+    /// The distance from a mesh in a pose, or `farthest` where it is more.
+    [[nodiscard]] double distance(const TriangleMesh& tool, const RigidTransform& pose,
+                                  double farthest) const
+    {
+        double least = farthest;
+        std::vector<Ball> near;
+        const EveryTriangle moved(posed(tool, pose));
+        Vec3 center = Vec3::Zero();
+        for (const Ball& ball : moved.balls_) center += ball.center / moved.balls_.size();
+        double reach = 0;
+        for (const Ball& ball : moved.balls_)
+            reach = std::max(reach, (ball.center - center).norm() + ball.radius);
+        for (const Ball& ball : balls_)
+            if ((ball.center - center).norm() < reach + ball.radius + farthest)
+                near.push_back(ball);
+        for (const Ball& on_tool : moved.balls_) {
+            for (const Ball& ball : near) {
+                if ((ball.center - on_tool.center).norm() > ball.radius + on_tool.radius + least)
+                    continue;
+                const double squared =
+                    closest_points(ball.triangle, on_tool.triangle).squared_distance;
+                least = std::min(least, std::sqrt(squared));
+            }
+        }
+        return least;
+    }
+
+private:
+    struct Ball {
+        Triangle triangle;
+        Vec3 center = Vec3::Zero();
+        double radius = 0;
+    };
+    static TriangleMesh posed(const TriangleMesh& mesh, const RigidTransform& pose)
+    {
+        return moved(mesh, [&](const Vec3& p) { return pose(p); });
+    }
+    std::vector<Ball> balls_;
+};
+
+/// Scans, fitted into a box of 10 cm, where there are any.
+std::vector<NamedMesh> scans()
+{
+    const std::filesystem::path shared =
+        std::filesystem::path(PROXIMA_SOURCE_DIR) / ".." / "shared" / "meshes";
+    const std::filesystem::path debian = "/usr/share/glmark2/models";
+    std::vector<NamedMesh> found;
+    for (const auto& path : {shared / "dragon_vrip_res3.ply", shared / "fandisk.obj",
+                             debian / "bunny.obj", debian / "cat.3ds"}) {
+        auto mesh = read_mesh(path);
+        if (!mesh) continue;
+        const Box box = bounding_box(*mesh);
+        const double scale = 0.1 / box.extent().maxCoeff();
+        found.push_back({path.filename().string(), moved(*mesh, [&](const Vec3& p) {
+                             return Vec3(scale * (p - box.center()));
+                         })});
+    }
+    return found;
+}
+
+/// Random approaches to points of scans, from outside through the surface, turning, and back again.
+TEST(ToolApproachesToScans, PassNothing)
+{
+    const std::vector<NamedMesh> found = scans();
+    std::uint32_t seed = 5000;
+    for (const NamedMesh& scan : found) {
+        const MeshIndex index = index_of(scan.mesh);
+        const EveryTriangle all(scan.mesh);
+        int touches = 0;
+        double nearest = 1;
+        for (const NamedMesh& tool : tools()) {
+            double reach = 0;
+            for (const Vec3& p : tool.mesh.positions()) reach = std::max(reach, p.norm());
+            ++seed;
+            SCOPED_TRACE(scan.name + ", " + tool.name + ", seed " + std::to_string(seed));
+            Random random(seed);
+            ToolBench bench(tool.mesh, {{index, {}}});
+            const auto id = static_cast<std::uint32_t>(
+                random(0, static_cast<double>(scan.mesh.triangle_count())));
+            const Triangle aim = scan.mesh.triangle(TriangleId{id});
+            const Vec3 outward = scaled_normal(aim).normalized() + 0.5 * random.direction();
+            RigidTransform device =
+                pose_at(aim[0] + 0.11 * outward.normalized(), 3 * random.direction());
+            bench.start(device);
+            if (!bench.renderer().last().is_placed) continue; // begins in another part
+            const double speed = random(0.3e-3, 1e-3);
+            const Vec3 spin = random(0, 15e-3) * random.direction();
+            const Vec3 velocity = -speed * outward.normalized();
+            const int ticks = static_cast<int>(0.125 / speed);
+            for (int tick = 0; tick < 2 * ticks; ++tick) {
+                device.translation += tick < ticks ? velocity : Vec3(-velocity);
+                device = moved_by(device, {Vec3::Zero(), spin}, 1);
+                const ToolTick& felt = bench.tick(device);
+                touches += felt.contact_count > 0 ? 1 : 0;
+                const auto path = bench.renderer().path();
+                for (std::size_t i = 0; i + 1 < path.size(); ++i) {
+                    const Twist twist = twist_between(path[i], path[i + 1]);
+                    const int parts = 1 + static_cast<int>(twist.path_length(reach) / 1e-3);
+                    for (int part = 1; part <= parts; ++part) {
+                        const RigidTransform pose =
+                            moved_by(path[i], twist, part / static_cast<double>(parts));
+                        const double distance = all.distance(tool.mesh, pose, 2 * clearance);
+                        nearest = std::min(nearest, distance);
+                        ASSERT_GT(distance, 0.5 * clearance - 1e-9) << "tick " << tick;
+                    }
+                }
+            }
+        }
+        std::cout << scan.name << ": " << touches << " ticks in contact, no nearer than "
+                  << 1e6 * nearest << " um\n";
+        EXPECT_GT(touches, 100);
+    }
+    if (found.empty()) GTEST_SKIP() << "install glmark2-data: without it there are no scans";
 }
 
 INSTANTIATE_TEST_SUITE_P(Objects, ToolApproaches, ::testing::Range(std::size_t{0}, std::size_t{8}));
