@@ -8,7 +8,6 @@
 
 #include <array>
 #include <gtest/gtest.h>
-#include <numbers>
 #include <random>
 #include <string>
 #include <vector>
@@ -110,40 +109,6 @@ TEST(ToolContacts, OfEdgesAreWhereTheDistanceIsLeast)
     }
     std::cout << edges << " contacts of edges\n";
     EXPECT_GT(edges, 60);
-}
-
-/// A tip whose sides rise slides up one side of a roof and down the other. Its edges cross the ridge before
-/// the tip does, where they are no nearer than the tip is: they must not hold it back.
-TEST(ToolContacts, EdgesThatCrossARidgeDoNotHoldATipBack)
-{
-    const double slope = 0.2;
-    const TriangleMesh roof = mesh_of({{0, -0.1, 0},
-                                       {0, 0.1, 0},
-                                       {0.1, -0.1, -0.1 * slope},
-                                       {0.1, 0.1, -0.1 * slope},
-                                       {-0.1, -0.1, -0.1 * slope},
-                                       {-0.1, 0.1, -0.1 * slope}},
-                                      {{0, 2, 3}, {0, 3, 1}, {0, 1, 5}, {0, 5, 4}});
-    const TriangleMesh tip = mesh_of(
-        {{0, 0, 0}, {0.02, 0.002, 0.02}, {-0.02, 0.002, 0.02}, {0, 0.02, 0.02}, {0, -0.02, 0.02}},
-        {{0, 1, 3}, {0, 3, 2}, {0, 2, 4}, {0, 4, 1}, {1, 4, 3}, {3, 4, 2}});
-    ToolRenderOptions options = plain_springs();
-    options.torsional_stiffness = 50; // it turns by next to nothing
-    options.max_moves = 2;
-    ToolBench bench(tip, {{index_of(roof), {}}}, options);
-    const double depth = 0.002;
-    bench.start(pose_at({-0.01, 0, 0.01}));
-    (void)bench.lead(pose_at({-0.01, 0, -depth}), 50);
-    const double speed = 5e-5; // m in a tick
-    for (int i = 1; - 0.01 + speed * i < -0.0005; ++i) {
-        const double x = -0.01 + speed * i;
-        const ToolTick& tick = bench.tick(pose_at({x, 0, -depth}));
-        // The foot of the device on the roof's left side, z = slope x.
-        const Vec3 normal = Vec3(-slope, 0, 1).normalized();
-        const double height = normal.dot(Vec3(x, 0, -depth));
-        const Vec3 expected = Vec3(x, 0, -depth) + (1e-5 - height) * normal;
-        ASSERT_LT((tick.proxy.translation - expected).norm(), 1e-5) << x;
-    }
 }
 
 } // namespace
