@@ -138,48 +138,51 @@ TEST_P(ToolApproaches, PassNothing)
     EXPECT_GT(touches, 100);
 }
 
-/// A triangle and a ball around it.
-struct BalledTriangle {
-    Vec3 center = Vec3::Zero();
-    double radius = 0;
+/// A triangle and its box.
+struct BoxedTriangle {
+    Vec3 lower = Vec3::Zero();
+    Vec3 upper = Vec3::Zero();
     Triangle triangle;
 };
 
-std::vector<BalledTriangle> balled(const TriangleMesh& mesh, const RigidTransform& pose = {})
+std::vector<BoxedTriangle> boxed(const TriangleMesh& mesh, const RigidTransform& pose = {})
 {
-    std::vector<BalledTriangle> all;
+    std::vector<BoxedTriangle> all;
     for (std::uint32_t i = 0; i < mesh.triangle_count(); ++i) {
-        BalledTriangle ball;
-        ball.triangle = pose(mesh.triangle(TriangleId{i}));
-        ball.center = (ball.triangle[0] + ball.triangle[1] + ball.triangle[2]) / 3;
-        for (const Vec3& p : ball.triangle.vertices)
-            ball.radius = std::max(ball.radius, (p - ball.center).norm());
-        all.push_back(ball);
+        BoxedTriangle each;
+        each.triangle = pose(mesh.triangle(TriangleId{i}));
+        const auto& v = each.triangle.vertices;
+        each.lower = v[0].cwiseMin(v[1]).cwiseMin(v[2]);
+        each.upper = v[0].cwiseMax(v[1]).cwiseMax(v[2]);
+        all.push_back(each);
     }
     return all;
 }
 
-/// Those that a ball may meet: all are looked at, one by one, with no tree and no lanes.
-std::vector<BalledTriangle> near_ball(const std::vector<BalledTriangle>& all, const Vec3& center,
-                                      double radius)
+/// Whether boxes are farther apart than that along an axis.
+bool apart(const BoxedTriangle& a, const Vec3& lower, const Vec3& upper, double distance)
 {
-    std::vector<BalledTriangle> near;
-    for (const BalledTriangle& each : all) {
-        const double most = radius + each.radius;
-        if ((each.center - center).squaredNorm() <= most * most) near.push_back(each);
-    }
+    return (lower - a.upper).cwiseMax(a.lower - upper).maxCoeff() > distance;
+}
+
+/// Those whose boxes a ball may meet: all are looked at, one by one, with no tree and no lanes.
+std::vector<BoxedTriangle> near_ball(const std::vector<BoxedTriangle>& all, const Vec3& center,
+                                     double radius)
+{
+    std::vector<BoxedTriangle> near;
+    for (const BoxedTriangle& each : all)
+        if (!apart(each, center, center, radius)) near.push_back(each);
     return near;
 }
 
 /// The distance of two sets of triangles, or `farthest` where it is more: all pairs.
-double distance_of(const std::vector<BalledTriangle>& first,
-                   const std::vector<BalledTriangle>& second, double farthest)
+double distance_of(const std::vector<BoxedTriangle>& first,
+                   const std::vector<BoxedTriangle>& second, double farthest)
 {
     double least = farthest;
-    for (const BalledTriangle& a : first) {
-        for (const BalledTriangle& b : second) {
-            const double most = a.radius + b.radius + least;
-            if ((a.center - b.center).squaredNorm() > most * most) continue;
+    for (const BoxedTriangle& a : first) {
+        for (const BoxedTriangle& b : second) {
+            if (apart(a, b.lower, b.upper, least)) continue;
             const double squared = closest_points(a.triangle, b.triangle).squared_distance;
             least = std::min(least, std::sqrt(squared));
         }
@@ -214,7 +217,7 @@ TEST(ToolApproachesToScans, PassNothing)
     std::uint32_t seed = 5000;
     for (const NamedMesh& scan : found) {
         const MeshIndex index = index_of(scan.mesh);
-        const std::vector<BalledTriangle> all = balled(scan.mesh);
+        const std::vector<BoxedTriangle> all = boxed(scan.mesh);
         int touches = 0;
         double nearest = 1;
         for (const NamedMesh& tool : tools()) {
@@ -255,7 +258,7 @@ TEST(ToolApproachesToScans, PassNothing)
                         const RigidTransform pose =
                             moved_by(path[i], twist, part / static_cast<double>(parts));
                         const double distance =
-                            distance_of(near, balled(tool.mesh, pose), 2 * clearance);
+                            distance_of(near, boxed(tool.mesh, pose), 2 * clearance);
                         nearest = std::min(nearest, distance);
                         ASSERT_GT(distance, 0.5 * clearance - 1e-9) << "tick " << tick;
                     }
