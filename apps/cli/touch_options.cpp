@@ -34,8 +34,8 @@ constexpr std::array unfit_for_a_tool = {
     "--radius",   "--friction", "--shading", "--force",  "--guard",         "--lists",
     "--record",   "--patch",    "--picture", "--object", "--pose",          "--motion",
     "--material", "--texture",  "--engine",  "--method", "--graphics-rate", "--collision-rate"};
-constexpr std::array tool_options = {"--tool-scale", "--turn", "--max-torque", "--clearance",
-                                     "--ticks"};
+constexpr std::array tool_options = {"--tool-scale", "--turn",     "--max-torque",
+                                     "--clearance",  "--max-work", "--ticks"};
 constexpr std::array driver_options = {"--device-library"};
 
 std::string names_of_devices()

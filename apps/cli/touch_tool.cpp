@@ -57,6 +57,7 @@ struct ToolAccount {
     std::uint64_t ticks = 0;
     std::uint64_t touching = 0;
     std::uint64_t limited = 0;
+    std::uint64_t cut_short = 0;
     std::uint64_t overloaded = 0;
     std::uint64_t unplaced = 0;
     std::uint64_t entered = 0;
@@ -142,6 +143,13 @@ void add_tool_options(CLI::App& parser, ToolCommandOptions& options)
         "Distance at which a tool and the model touch, m; half of it is always kept", "M", 1e-9,
         1e-2);
     parser
+        .add_option(
+            "--max-work", options.max_work,
+            "Most work in a tick of a tool, about a microsecond a unit; what is left is for the "
+            "next tick. 0 for no bound")
+        ->capture_default_str()
+        ->type_name("N");
+    parser
         .add_option("--ticks", options.ticks,
                     "Table of all ticks of a tool: poses of device and proxy, force and torque "
                     "(.csv)")
@@ -178,6 +186,7 @@ Status run_tool(const ToolCommandOptions& options, const std::string& model_name
     render.force = settings.render.force;
     render.max_jump = settings.render.max_jump;
     render.clearance = options.clearance;
+    render.max_work = options.max_work;
     auto renderer =
         make_tool_renderer(*tool, std::span(&object, 1), opened->map, opened->limits, render);
     if (!renderer) return tl::unexpected(renderer.error());
@@ -210,6 +219,7 @@ Status run_tool(const ToolCommandOptions& options, const std::string& model_name
             ++account.ticks;
             account.touching += tick.contact_count > 0 ? 1U : 0U;
             account.limited += tick.end == ToolEnd::limited ? 1U : 0U;
+            account.cut_short += tick.end == ToolEnd::cut_short ? 1U : 0U;
             account.overloaded += tick.end == ToolEnd::overloaded ? 1U : 0U;
             account.unplaced += tick.is_placed ? 0U : 1U;
             // A simulated hand waits for the exact test; a device would miss ticks.
@@ -235,13 +245,15 @@ Status run_tool(const ToolCommandOptions& options, const std::string& model_name
         "met\n"
         "force: at most {:.3f} N, {:.2f} mm of stretch\n"
         "torque: at most {:.4f} N m{}\n"
-        "{} ticks left motion to the next, {} had too many triangles near (at most {} pairs)\n",
+        "{} ticks left motion to the next, {} others ended at their work, {} had too many "
+        "triangles "
+        "near (at most {} pairs)\n",
         account.ticks, tool->triangle_count(), model_name, account.touching, account.entered,
         account.max_force, 1e3 * account.max_stretch, account.max_torque,
         options.max_torque > 0 ? std::string()
                                : fmt::format(": the device gives none; its spring asked for {:.4f}",
                                              account.max_spring_torque),
-        account.limited, account.overloaded, account.max_near);
+        account.limited, account.cut_short, account.overloaded, account.max_near);
     if (account.unplaced > 0) {
         text += fmt::format("{} ticks felt nothing: the tool began inside and was not out yet\n",
                             account.unplaced);
@@ -270,6 +282,7 @@ Status run_tool(const ToolCommandOptions& options, const std::string& model_name
                                {"entered_ticks", account.entered},
                                {"unplaced_ticks", account.unplaced},
                                {"limited_ticks", account.limited},
+                               {"cut_short_ticks", account.cut_short},
                                {"overloaded_ticks", account.overloaded},
                                {"max_near_pairs", account.max_near},
                                {"max_force", account.max_force},

@@ -4,8 +4,10 @@
 #include "cli/session.h"
 #include "cli/touch_session.h"
 #include "proxima/result.h"
+#include "proxima/tool_renderer.h"
 
 #include <CLI/App.hpp>
+#include <cstddef>
 #include <string>
 
 namespace proxima {
@@ -16,6 +18,7 @@ struct ToolCommandOptions {
     double turn = 0;       ///< degrees, of a simulated hand's wrist
     double max_torque = 0; ///< N m
     double clearance = 1e-5;
+    std::size_t max_work = ToolRenderOptions{}.max_work;
     std::string ticks; ///< a table of all ticks; "" for none
 };
 

@@ -56,6 +56,9 @@ struct ToolRenderOptions {
     double max_turn = 0.5;  ///< rad in a tick: likewise
     /// Most moves of the proxy in a tick: bounds a tick's work. 1 to 32.
     std::size_t max_moves = 4;
+    /// Most work in a tick, about a microsecond a unit (ToolTick::work); 0 = no bound. A tick that would
+    /// take more ends with what it has proven to be free. At least 100.
+    std::size_t max_work = 800;
 };
 
 /// A point that holds the tool back. In the model's units and frame.
@@ -72,6 +75,7 @@ struct ToolContact {
 enum class ToolEnd : std::uint8_t {
     settled,   ///< no pose nearer to the device can be reached
     limited,   ///< the tick's moves are used up: the next tick goes on
+    cut_short, ///< likewise its work, max_work: the proxy moved only as far as was proven by then
     overloaded ///< more triangles are near than there is memory for: the proxy stays where it is
 };
 
@@ -89,6 +93,7 @@ struct ToolTick {
     std::size_t contact_count = 0;
     std::size_t moves = 0;          ///< of the proxy
     std::size_t near_triangles = 0; ///< pairs that were near
+    std::size_t work = 0;           ///< about microseconds, the same on every machine
     ToolEnd end = ToolEnd::settled;
     InputFault fault = InputFault::none;
     InputCondition condition = InputCondition::well; ///< of the state that the tick was given

@@ -4,7 +4,7 @@ import unittest
 from proxima_program import ProgramTest
 
 KEYS = ["model", "triangles", "tool", "tool_triangles", "device", "ticks", "interrupted", "touching_ticks", "entered_ticks", "unplaced_ticks",
-        "limited_ticks", "overloaded_ticks", "max_near_pairs", "max_force", "max_torque", "max_spring_torque", "max_stretch",
+        "limited_ticks", "cut_short_ticks", "overloaded_ticks", "max_near_pairs", "max_force", "max_torque", "max_spring_torque", "max_stretch",
         "clock", "processor", "missed_deadlines"]
 
 
@@ -44,6 +44,7 @@ class Tools(ProgramTest):
             self.refuse("touch", "cube", *self.session, option, says=(option, "--tool"))
         for option in ("--tool-scale", "--turn", "--max-torque", "--clearance"):
             self.refuse("touch", "cube", "--tool", "cube", "--device", "hand:press", option, "nan", status=2, says=option)
+        self.refuse("touch", "cube", *self.session, "--max-work", 50, says="max_work must be at least 100")
         self.refuse("touch", "cube", "--tool", "cube", "--device", "udp:0", "--turn", 3, says="--turn")
         self.refuse("touch", "cube", *self.session, "--ticks", self.folder / "a.txt", says=".csv")
         self.refuse("touch", "cube", "--tool", "cube", "--device", "hand:press", "--seconds", 86400, "--ticks",

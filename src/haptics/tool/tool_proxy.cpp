@@ -16,11 +16,17 @@ constexpr std::size_t many_pairs = 800;
 constexpr std::size_t few_pairs = 300;
 constexpr double least_margin_clearances = 2;
 constexpr int max_rounds = 6;
-/// Closest points of triangles, or as much other work, after which a tick begins no further move:
-/// some 0.4 ms.
-constexpr std::size_t max_work = 400;
-/// Pairs whose listing takes as long as that of one.
-constexpr std::size_t listed_pairs_per_work = 4;
+/// The work of a list, and pairs that add a unit to it.
+constexpr std::size_t list_work = 100;
+constexpr std::size_t listed_pairs_per_work = 8;
+/// Pairs whose planes are looked at in a unit of work.
+constexpr std::size_t looks_per_work = 32;
+constexpr std::size_t contacts_work = 1;   ///< of the contacts of a pair
+constexpr std::size_t open_pairs_work = 2; ///< of planes for eight pairs
+/// The parts of a tick's work within which moves begin, and contacts are found. What is left is for
+/// the proof.
+constexpr double begin_share = 0.5;
+constexpr double contacts_share = 0.75;
 /// Pairs that are nearer than so many clearances are among the constraints from the start.
 constexpr double near_clearances = 2;
 /// Lists reach at least so many clearances farther than the tool is going to move.
@@ -62,6 +68,7 @@ ToolProxy::ToolProxy(RigidBody tool, std::vector<RigidBody> objects,
     rows_.resize(max_pairs);
     pairs_.resize(max_pairs);
     apart_until_.resize(max_pairs);
+    open_.resize(max_pairs);
     contacts_.resize(max_contacts);
     constraints_.resize(max_contacts);
 }
@@ -79,10 +86,16 @@ bool ToolProxy::place(const RigidTransform& pose) noexcept
     }
     const RigidTransform before = std::exchange(pose_, pose);
     bool is_free = list_pairs_once(base_margin_);
-    const ToolMotion rest = {pose_, pose_, {}};
-    Vec3 last = Vec3::Zero(); // direction of a plane
-    for (std::size_t i = 0; is_free && i < pair_count_; ++i)
-        is_free = find_plane(pairs_[i], rest, 0.5 * options_.clearance, last);
+    if (is_free) {
+        const double least = 0.5 * options_.clearance;
+        std::size_t open = 0;
+        for (NearPair& pair : std::span(pairs_).first(pair_count_))
+            if (!(plane_gap(pair, pose_) >= least)) open_[open++] = &pair;
+        const auto too_near = std::span(open_).first(open);
+        set_closest_planes(too_near, pose_);
+        is_free = std::ranges::all_of(
+            too_near, [&](const NearPair* pair) { return plane_gap(*pair, pose_) >= least; });
+    }
     if (!is_free) {
         pose_ = before;
         list_margin_ = -1;
@@ -105,6 +118,7 @@ bool ToolProxy::list_pairs_once(double margin) noexcept
         const NearRowsAnswer near =
             near_rows(object.index, tool_.index, relative_pose(object.pose, pose_), margin,
                       std::span(rows_).subspan(pair_count_));
+        effort_.spent += list_work + near.count / listed_pairs_per_work;
         if (!near.complete) return false;
         for (std::size_t i = 0; i < near.count; ++i) {
             NearPair& pair = pairs_[pair_count_ + i];
@@ -126,7 +140,6 @@ bool ToolProxy::list_pairs_once(double margin) noexcept
     list_pose_ = pose_;
     list_margin_ = margin;
     ++work_.lists;
-    work_.spent += pair_count_ / listed_pairs_per_work;
     work_.pairs = std::max(work_.pairs, pair_count_);
     return true;
 }
@@ -140,6 +153,7 @@ bool ToolProxy::list_pairs(double margin) noexcept
     while (margin >= least) {
         if (!list_pairs_once(margin)) {
             margin /= 2;
+            most_margin_ = std::max(margin, least);
             continue;
         }
         if (pair_count_ > many_pairs) most_margin_ = std::max(0.5 * margin, least);
@@ -157,10 +171,11 @@ double ToolProxy::room() const noexcept
     return list_margin_ - options_.clearance - moved;
 }
 
-/// Takes the contacts of a pair whose gap is more than `nearest` and at most `farthest`.
-void ToolProxy::add_contacts(std::uint32_t pair, double nearest, double farthest) noexcept
+/// Takes the contacts of a pair whose gap is more than `nearest` and at most `farthest`; false where
+/// what is left of the tick's work is for the proof.
+bool ToolProxy::add_contacts(std::uint32_t pair, double nearest, double farthest) noexcept
 {
-    ++work_.spent;
+    if (!effort_.begin(contacts_work, contacts_share)) return false;
     const RigidBody& object = objects_[pairs_[pair].object];
     const std::span<FeatureContact> free = std::span(contacts_).subspan(contact_count_);
     const std::size_t found = find_contacts(pairs_[pair], {&object.features, object.pose},
@@ -170,6 +185,7 @@ void ToolProxy::add_contacts(std::uint32_t pair, double nearest, double farthest
         contacts_[contact_count_] = contact;
         contacts_[contact_count_++].pair = pair;
     }
+    return true;
 }
 
 /// Takes the contacts of all pairs that are near.
@@ -177,24 +193,60 @@ void ToolProxy::collect_near() noexcept
 {
     contact_count_ = 0;
     const double near = near_clearances * options_.clearance;
-    const ToolMotion rest = {pose_, pose_, {}};
-    Vec3 last = Vec3::Zero(); // direction of a plane
+    effort_.spent += pair_count_ / looks_per_work;
+    bool has_room = true;
     for (std::uint32_t i = 0; i < pair_count_; ++i) {
-        if (apart_until_[i] > travelled_ + near) {
-            pairs_[i].contacts = PairContacts::none;
-            continue;
-        }
         NearPair& pair = pairs_[i];
-        double gap = plane_gap(pair, pose_);
+        pair.contacts = PairContacts::none;
+        if (apart_until_[i] > travelled_ + near) continue;
         if (pair.normal.isZero(0)) {
-            ++work_.spent;
-            (void)find_plane(pair, rest, near, last);
-            gap = plane_gap(pair, pose_);
+            NearPair* const without_plane = &pair;
+            set_closest_planes(std::span(&without_plane, 1), pose_);
         }
+        const double gap = plane_gap(pair, pose_);
         apart_until_[i] = travelled_ + gap;
-        pair.contacts = gap > near ? PairContacts::none : PairContacts::near;
-        if (pair.contacts == PairContacts::near) add_contacts(i, 0, near);
+        if (gap > near) continue;
+        pair.contacts = PairContacts::near;
+        has_room = has_room && add_contacts(i, 0, near);
     }
+}
+
+/// Lists the pairs of which no known plane keeps a gap of `least` all the motion long, but for those
+/// whose contacts are all among the constraints.
+std::span<NearPair*> ToolProxy::open_pairs(const ToolMotion& motion, double least,
+                                           OpenPairs which) noexcept
+{
+    const double length = motion.twist.path_length(tool_.features.reach());
+    effort_.spent += pair_count_ / looks_per_work;
+    std::size_t count = 0;
+    for (std::uint32_t i = 0; i < pair_count_; ++i) {
+        if (apart_until_[i] >= travelled_ + length + least) continue;
+        NearPair& pair = pairs_[i];
+        if (which == OpenPairs::unconstrained && pair.contacts == PairContacts::all) continue;
+        if (!stays_apart(pair, motion, least)) open_[count++] = &pair;
+    }
+    // A plane that serves one pair often serves its neighbours.
+    std::size_t left = 0;
+    Vec3 direction = Vec3::Zero();
+    for (std::size_t first = 0; first < count; first += closest_planes_at_once) {
+        const std::size_t begin = left;
+        const std::size_t end = std::min(first + closest_planes_at_once, count);
+        if (!effort_.begin(open_pairs_work, which == OpenPairs::all ? 1 : contacts_share)) {
+            // What nobody had time to look at stays open to the proof.
+            while (which == OpenPairs::all && first < count) open_[left++] = open_[first++];
+            break;
+        }
+        for (std::size_t i = first; i < end; ++i)
+            if (!find_plane(*open_[i], motion, least, direction)) open_[left++] = open_[i];
+        const auto closest = std::span(open_).subspan(begin, left - begin);
+        set_closest_planes(closest, motion.from);
+        left = begin;
+        for (NearPair* const pair : closest) {
+            if (!pair->normal.isZero(0)) direction = pair->normal;
+            if (!stays_apart(*pair, motion, least)) open_[left++] = pair;
+        }
+    }
+    return std::span(open_).first(left);
 }
 
 /// Takes the contacts of all other pairs that the motion would bring too near; false where there are
@@ -202,18 +254,13 @@ void ToolProxy::collect_near() noexcept
 bool ToolProxy::collect_hit(const ToolMotion& motion) noexcept
 {
     const std::size_t before = contact_count_;
-    const double least = 0.95 * options_.clearance;
-    Vec3 last = Vec3::Zero(); // direction of a plane
-    const double length = motion.twist.path_length(tool_.features.reach());
-    for (std::uint32_t i = 0; i < pair_count_; ++i) {
-        if (apart_until_[i] >= travelled_ + length + least) continue;
-        NearPair& pair = pairs_[i];
-        if (pair.contacts == PairContacts::all || stays_apart(pair, motion, least)) continue;
-        ++work_.spent;
-        if (find_plane(pair, motion, least, last)) continue;
-        const double near = near_clearances * options_.clearance;
-        add_contacts(i, pair.contacts == PairContacts::near ? near : 0, list_margin_ + length);
-        pair.contacts = PairContacts::all;
+    const double farthest = list_margin_ + motion.twist.path_length(tool_.features.reach());
+    const double near = near_clearances * options_.clearance;
+    for (NearPair* const pair :
+         open_pairs(motion, 0.95 * options_.clearance, OpenPairs::unconstrained)) {
+        const auto number = static_cast<std::uint32_t>(pair - pairs_.data());
+        if (!add_contacts(number, pair->contacts == PairContacts::near ? near : 0, farthest)) break;
+        pair->contacts = PairContacts::all;
     }
     return contact_count_ > before;
 }
@@ -285,6 +332,21 @@ double ToolProxy::useful_part(const ToolMotion& motion, const Vec6& wanted) cons
     return std::clamp(-0.5 * slope / bend, least_part, 1.0);
 }
 
+/// What of that part of the motion surely passes nothing: a contact that the constraints do not have
+/// is stopped at before it is too near.
+double ToolProxy::proven_part(const ToolMotion& motion, double part) noexcept
+{
+    const double clearance = options_.clearance;
+    const GapLimits limits = {0.95 * clearance, 0.9 * clearance, 0.5 * clearance};
+    ToolMotion wanted = motion;
+    if (part < 1) {
+        wanted.twist = motion.twist.scaled(part);
+        wanted.to = moved_by(pose_, motion.twist, part);
+    }
+    return part *
+           free_part(open_pairs(wanted, limits.wanted, OpenPairs::all), wanted, limits, effort_);
+}
+
 void ToolProxy::hold(const ConstrainedMotion& motion) noexcept
 {
     held_count_ = motion.active_count;
@@ -296,8 +358,8 @@ void ToolProxy::hold(const ConstrainedMotion& motion) noexcept
     }
 }
 
-/// One move towards the device. Returns whether another one may come nearer.
-bool ToolProxy::move(const Twist& wanted) noexcept
+/// One move towards the device.
+ToolProxy::MoveEnd ToolProxy::move(const Twist& wanted) noexcept
 {
     const double reach = tool_.features.reach();
     Vec6 free;
@@ -312,10 +374,7 @@ bool ToolProxy::move(const Twist& wanted) noexcept
         if (length > space) {
             const double margin = base_margin_ + 1.5 * length;
             if (list_margin_ < std::min(margin, most_margin_) && work_.lists < options_.max_lists) {
-                if (!list_pairs(margin)) {
-                    end_ = ToolEnd::overloaded;
-                    return false;
-                }
+                if (!list_pairs(margin)) return MoveEnd::overloaded;
                 collect_near();
                 twist = solve(free);
                 length = twist.path_length(reach);
@@ -325,24 +384,11 @@ bool ToolProxy::move(const Twist& wanted) noexcept
             length = twist.path_length(reach);
         }
         motion = {pose_, moved_by(pose_, twist, 1), twist};
-        if (!collect_hit(motion) || round >= max_rounds) break;
+        if (!collect_hit(motion) || round >= max_rounds || effort_.cut_short) break;
         twist = solve(free);
         length = twist.path_length(reach);
     }
-    double part = useful_part(motion, free);
-    // A contact that the constraints do not have yet is stopped at before it is too near.
-    const double clearance = options_.clearance;
-    Vec3 last = Vec3::Zero(); // direction of a plane
-    const GapLimits limits = {0.95 * clearance, 0.9 * clearance, 0.5 * clearance};
-    for (std::size_t i = 0; i < pair_count_ && part > 0; ++i) {
-        NearPair& pair = pairs_[i];
-        if (apart_until_[i] >= travelled_ + length + limits.wanted) continue;
-        if (stays_apart(pair, motion, limits.wanted)) continue;
-        ++work_.spent;
-        if (find_plane(pair, motion, limits.wanted, last)) continue;
-        ++work_.spent;
-        part = free_part(pair, motion, limits, part);
-    }
+    const double part = proven_part(motion, useful_part(motion, free));
     hold(solution_);
     pose_ = part < 1 ? moved_by(pose_, twist, part) : motion.to;
     path_[path_count_++] = pose_;
@@ -354,45 +400,49 @@ bool ToolProxy::move(const Twist& wanted) noexcept
     left.head<3>() = rest.linear;
     left.tail<3>() = options_.turning_length * rest.angular;
     const bool gains = std::abs(left.norm() - free.norm()) > gain_clearances * options_.clearance;
-    return !solution_.solved || (length > settled && (gains || part < least_part));
+    const bool goes_on = !solution_.solved || (length > settled && (gains || part < least_part));
+    return goes_on ? MoveEnd::goes_on : MoveEnd::settled;
 }
 
 void ToolProxy::follow(const RigidTransform& device) noexcept
 {
     work_ = {};
+    effort_ = {.most = options_.max_work};
     device_ = device;
-    end_ = ToolEnd::limited;
     path_count_ = 0;
     path_[path_count_++] = pose_;
+    end_ = approach();
+    if (end_ != ToolEnd::overloaded && effort_.cut_short) end_ = ToolEnd::cut_short;
+    work_.spent = effort_.spent;
+}
+
+/// Moves towards the device until the proxy settles or the tick ends.
+ToolEnd ToolProxy::approach() noexcept
+{
     const double expected = 2 * std::exchange(last_length_, 0.0);
     const double reach = tool_.features.reach();
     int still = 0; // moves in a row that came no nearer
-    while (work_.moves < options_.max_moves && work_.spent < max_work && still < 2) {
-        const Twist wanted = twist_between(pose_, device);
+    while (work_.moves < options_.max_moves && still < 2 && effort_.begin(0, begin_share)) {
+        const Twist wanted = twist_between(pose_, device_);
         const double length = wanted.path_length(reach);
         if (room() < std::min(length, options_.clearance)) {
-            if (work_.lists == options_.max_lists) return;
-            if (!list_pairs(base_margin_ + std::min(length, expected))) {
-                end_ = ToolEnd::overloaded;
-                return;
-            }
+            if (work_.lists == options_.max_lists) return ToolEnd::limited;
+            if (!list_pairs(base_margin_ + std::min(length, expected))) return ToolEnd::overloaded;
         }
         ++work_.moves;
         const double before = last_length_;
-        const bool goes_on = move(wanted);
+        const MoveEnd end = move(wanted);
+        if (end == MoveEnd::overloaded) return ToolEnd::overloaded;
         if (solution_.active_count == 0 && solution_.solved &&
             last_length_ - before >= length * (1 - 1e-12)) {
-            pose_ = device;
+            pose_ = device_;
             path_[path_count_ - 1] = pose_;
-            end_ = ToolEnd::settled;
-            return;
+            return ToolEnd::settled;
         }
-        if (!goes_on) {
-            if (end_ == ToolEnd::limited) end_ = ToolEnd::settled;
-            return;
-        }
+        if (end == MoveEnd::settled) return ToolEnd::settled;
         still = last_length_ - before > settled_clearances * options_.clearance ? 0 : still + 1;
     }
+    return ToolEnd::limited;
 }
 
 } // namespace proxima

@@ -47,6 +47,7 @@ struct ToolProxyOptions {
     double turning_length = 1; ///< rotation vectors times this weigh as much as displacements
     std::size_t max_moves = 4; ///< in a tick
     std::size_t max_lists = 2; ///< lists of near pairs in a tick
+    std::size_t max_work = unlimited_work; ///< in a tick (ToolEffort)
 };
 
 /// A contact that holds the tool back.
@@ -64,7 +65,7 @@ struct ToolWork {
     std::size_t lists = 0;
     std::size_t pairs = 0;    ///< in the last list
     std::size_t contacts = 0; ///< most constraints of a move
-    std::size_t spent = 0;    ///< closest points of triangles, or as much other work
+    std::size_t spent = 0;    ///< about a microsecond a unit
 };
 
 /// One thread. noexcept and without allocation but for the constructor.
@@ -98,14 +99,21 @@ public:
     static constexpr std::size_t most_moves = 32;
 
 private:
+    enum class OpenPairs : std::uint8_t { all, unconstrained };
+    enum class MoveEnd : std::uint8_t { settled, goes_on, overloaded };
+
     [[nodiscard]] bool list_pairs(double margin) noexcept;
     [[nodiscard]] bool list_pairs_once(double margin) noexcept;
     [[nodiscard]] double room() const noexcept;
-    void add_contacts(std::uint32_t pair, double nearest, double farthest) noexcept;
+    [[nodiscard]] bool add_contacts(std::uint32_t pair, double nearest, double farthest) noexcept;
     void collect_near() noexcept;
+    [[nodiscard]] std::span<NearPair*> open_pairs(const ToolMotion& motion, double least,
+                                                  OpenPairs which) noexcept;
     [[nodiscard]] bool collect_hit(const ToolMotion& motion) noexcept;
     [[nodiscard]] Twist solve(const Vec6& wanted) noexcept;
-    [[nodiscard]] bool move(const Twist& wanted) noexcept;
+    [[nodiscard]] double proven_part(const ToolMotion& motion, double part) noexcept;
+    [[nodiscard]] MoveEnd move(const Twist& wanted) noexcept;
+    [[nodiscard]] ToolEnd approach() noexcept;
     [[nodiscard]] double cost(const RigidTransform& pose, const Vec6& wanted,
                               double steepness) const noexcept;
     [[nodiscard]] double useful_part(const ToolMotion& motion, const Vec6& wanted) const noexcept;
@@ -126,6 +134,7 @@ private:
     double travelled_ = 0;            ///< by points of the tool since it was placed, at most
     std::vector<double> apart_until_; ///< by pair: its triangles meet no sooner than that much
                                       ///< was travelled
+    std::vector<NearPair*> open_;     ///< pairs that no known plane keeps apart
     std::vector<FeatureContact> contacts_;
     std::size_t contact_count_ = 0;
     std::vector<MotionConstraint> constraints_;
@@ -137,6 +146,7 @@ private:
     double last_length_ = 0; ///< of the last tick's path
     ToolEnd end_ = ToolEnd::settled;
     ToolWork work_;
+    ToolEffort effort_;
 };
 
 } // namespace proxima

@@ -18,6 +18,8 @@ namespace {
 constexpr double most_coordinate = 1e150;
 /// The clearance over the scene's size, at least: positions are rounded by 2^-52 of it.
 constexpr double least_clearance = 0x1p-30;
+/// With less, a tick could not even prove short motions.
+constexpr std::size_t least_work = 100;
 
 /// A spring with a damper along its own stretch, which never makes it push.
 Vec3 damped_spring(double stiffness, double damping, const Vec3& stretch, const Vec3& rate) noexcept
@@ -51,7 +53,8 @@ ToolProxyOptions proxy_options(const ToolRenderOptions& options, const Workspace
     const double length = std::sqrt(options.torsional_stiffness / options.force.stiffness);
     return {.clearance = options.clearance * map.units_per_metre,
             .turning_length = length * map.units_per_metre,
-            .max_moves = options.max_moves};
+            .max_moves = options.max_moves,
+            .max_work = options.max_work > 0 ? options.max_work : unlimited_work};
 }
 
 Status check_tool_settings(const WorkspaceMap& map, const DeviceLimits& device,
@@ -73,6 +76,12 @@ Status check_tool_settings(const WorkspaceMap& map, const DeviceLimits& device,
             ErrorCode::invalid_argument,
             concat("max_moves must be 1 to ", ToolProxy::most_moves, ", not ", options.max_moves),
             "max_moves");
+    }
+    if (options.max_work > 0 && options.max_work < least_work) {
+        return fail(ErrorCode::invalid_argument,
+                    concat("max_work must be at least ", least_work, ", or 0 for no bound, not ",
+                           options.max_work),
+                    "max_work");
     }
     return check_not_negative({{"max_damping", device.max_damping},
                                {"max_torque", device.max_torque},
@@ -192,6 +201,7 @@ private:
         tick_.end = proxy_.end();
         tick_.moves = proxy_.work().moves;
         tick_.near_triangles = proxy_.work().pairs;
+        tick_.work = proxy_.work().spent;
         tick_.contact_count = proxy_.contacts().size();
         const double newtons = options_.force.stiffness / map_.units_per_metre;
         for (std::size_t i = 0; i < tick_.contact_count; ++i) {

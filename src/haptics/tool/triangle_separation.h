@@ -11,7 +11,11 @@
 #include "haptics/tool/rigid_motion.h"
 #include "proxima/geometry.h"
 
+#include <algorithm>
+#include <cstddef>
 #include <cstdint>
+#include <limits>
+#include <span>
 
 namespace proxima {
 
@@ -25,6 +29,7 @@ struct NearPair {
     Vec3 normal = Vec3::Zero(); ///< of length 1, or zero before the first plane
     double offset = 0;
     double reach = 0; ///< of the tool's triangle from the tool's origin
+    double floor = 0; ///< how near it may come in a motion (free_part)
     std::uint32_t scene_row = 0;
     std::uint32_t tool_row = 0;
     std::uint32_t object = 0;
@@ -49,11 +54,16 @@ void set_normal(NearPair& pair, const Vec3& across) noexcept;
 [[nodiscard]] bool stays_apart(const NearPair& pair, const ToolMotion& motion,
                                double least) noexcept;
 
-/// Looks for a plane that does: the one across the direction that served the last pair, that of either
-/// triangle, then the one across their closest points at the beginning, which it leaves behind where
-/// none does, and in `last`. 0.1 to 1 us.
+/// Looks for a plane that does without looking for closest points: across a direction that served
+/// another pair, and that of either triangle. Leaves the pair any plane where none does. 0.1 us.
 [[nodiscard]] bool find_plane(NearPair& pair, const ToolMotion& motion, double least,
-                              Vec3& last) noexcept;
+                              const Vec3& other) noexcept;
+
+inline constexpr std::size_t closest_planes_at_once = 8;
+
+/// Gives pairs the planes across their closest points with the tool in a pose, eight pairs at a time.
+/// The gaps of these planes are the distances of the triangles, up to rounding. 0.1 us each.
+void set_closest_planes(std::span<NearPair* const> pairs, const RigidTransform& pose) noexcept;
 
 /// How near triangles may come in a motion.
 struct GapLimits {
@@ -62,8 +72,33 @@ struct GapLimits {
     double least = 0;  ///< others come no nearer than this, or than they are where that is less
 };
 
-/// The part of the motion, at most `most`, that keeps the triangles apart.
-[[nodiscard]] double free_part(NearPair& pair, const ToolMotion& motion, const GapLimits& limits,
-                               double most) noexcept;
+inline constexpr std::size_t unlimited_work = std::numeric_limits<std::size_t>::max();
+
+/// The work of a tick, about a microsecond a unit, and where it has to end.
+struct ToolEffort {
+    std::size_t spent = 0;
+    std::size_t most = unlimited_work;
+    bool cut_short = false; ///< something was left undone for it
+
+    /// Whether something that takes so much may begin within a share of the work, and counts it.
+    [[nodiscard]] bool begin(std::size_t work, double share = 1) noexcept
+    {
+        const bool may = static_cast<double>(spent + work) <= share * static_cast<double>(most);
+        if (may) spent += work;
+        cut_short = cut_short || !may;
+        return may;
+    }
+};
+
+/// The work of set_closest_planes.
+[[nodiscard]] constexpr std::size_t closest_planes_work(std::size_t pairs) noexcept
+{
+    return (pairs + closest_planes_at_once - 1) / closest_planes_at_once;
+}
+
+/// The part of the motion, 0 to 1, that keeps all pairs apart. Where the effort ends it takes
+/// what the planes that the pairs have prove. Changes the order of the pairs.
+[[nodiscard]] double free_part(std::span<NearPair*> pairs, const ToolMotion& motion,
+                               const GapLimits& limits, ToolEffort& effort) noexcept;
 
 } // namespace proxima

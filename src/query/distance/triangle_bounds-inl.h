@@ -153,12 +153,12 @@ struct DistanceLanes {
     VectorLanes<T> nearest; ///< `most` long, from the first to the second
 };
 
+/// The difference, from the first to the second, of the nearest points of two triangles among the
+/// closest of two sides and the feet of corners.
 template <class T>
-HWY_INLINE DistanceLanes<T> bound_triangles(const TriangleLanes<T>& a, const TriangleLanes<T>& b)
+HWY_INLINE VectorLanes<T> nearest_points(const TriangleLanes<T>& a, const SideLanes<T>& first,
+                                         const TriangleLanes<T>& b, const SideLanes<T>& second)
 {
-    const PairTag<T> d;
-    const SideLanes<T> first(a);
-    const SideLanes<T> second(b);
     auto nearest = b.corner[0] - a.corner[0];
     auto squared = dot(nearest, nearest);
     const auto offer = [&](const VectorLanes<T>& between) HWY_ATTR {
@@ -178,10 +178,20 @@ HWY_INLINE DistanceLanes<T> bound_triangles(const TriangleLanes<T>& a, const Tri
         const auto back = from_inside(a.corner[i] - b.corner[0], second);
         offer({hn::Neg(back.x), hn::Neg(back.y), hn::Neg(back.z)});
     }
+    return nearest;
+}
+
+template <class T>
+HWY_INLINE DistanceLanes<T> bound_triangles(const TriangleLanes<T>& a, const TriangleLanes<T>& b)
+{
+    const PairTag<T> d;
+    const SideLanes<T> first(a);
+    const SideLanes<T> second(b);
+    const VectorLanes<T> nearest = nearest_points(a, first, b, second);
     const auto along_normals =
         hn::Max(gap_along(first.normal, a, b), gap_along(second.normal, a, b));
     const auto gap = hn::Max(along_normals, gap_along(nearest, a, b));
-    return {hn::Max(gap, hn::Zero(d)), hn::Sqrt(squared), nearest};
+    return {hn::Max(gap, hn::Zero(d)), hn::Sqrt(dot(nearest, nearest)), nearest};
 }
 
 /// What is known of the distances of eight pairs of two leaves' triangles.

@@ -1,12 +1,15 @@
 // Tools that are driven into objects from anywhere, turning: they enter nothing and pass nothing.
+#include "geometry/triangle_distance.h"
 #include "haptics/tool/rigid_motion.h"
 #include "haptics/tool/tool_bench.h"
 #include "haptics/touch_meshes.h"
 #include "proxima/mesh_distance.h"
+#include "proxima/mesh_io.h"
 #include "proxima/sample_meshes.h"
 #include "proxima/tool_renderer.h"
 
 #include <algorithm>
+#include <filesystem>
 #include <gtest/gtest.h>
 #include <random>
 #include <string>
@@ -133,6 +136,140 @@ TEST_P(ToolApproaches, PassNothing)
     }
     std::cout << object.name << ": " << touches << " ticks in contact\n";
     EXPECT_GT(touches, 100);
+}
+
+/// A triangle and its box.
+struct BoxedTriangle {
+    Vec3 lower = Vec3::Zero();
+    Vec3 upper = Vec3::Zero();
+    Triangle triangle;
+};
+
+std::vector<BoxedTriangle> boxed(const TriangleMesh& mesh, const RigidTransform& pose = {})
+{
+    std::vector<BoxedTriangle> all;
+    for (std::uint32_t i = 0; i < mesh.triangle_count(); ++i) {
+        BoxedTriangle each;
+        each.triangle = pose(mesh.triangle(TriangleId{i}));
+        const auto& v = each.triangle.vertices;
+        each.lower = v[0].cwiseMin(v[1]).cwiseMin(v[2]);
+        each.upper = v[0].cwiseMax(v[1]).cwiseMax(v[2]);
+        all.push_back(each);
+    }
+    return all;
+}
+
+/// Whether boxes are farther apart than that along an axis.
+bool apart(const BoxedTriangle& a, const Vec3& lower, const Vec3& upper, double distance)
+{
+    return (lower - a.upper).cwiseMax(a.lower - upper).maxCoeff() > distance;
+}
+
+/// Those whose boxes a ball may meet: all are looked at, one by one, with no tree and no lanes.
+std::vector<BoxedTriangle> near_ball(const std::vector<BoxedTriangle>& all, const Vec3& center,
+                                     double radius)
+{
+    std::vector<BoxedTriangle> near;
+    for (const BoxedTriangle& each : all)
+        if (!apart(each, center, center, radius)) near.push_back(each);
+    return near;
+}
+
+/// The distance of two sets of triangles, or `farthest` where it is more: all pairs.
+double distance_of(const std::vector<BoxedTriangle>& first,
+                   const std::vector<BoxedTriangle>& second, double farthest)
+{
+    double least = farthest;
+    for (const BoxedTriangle& a : first) {
+        for (const BoxedTriangle& b : second) {
+            if (apart(a, b.lower, b.upper, least)) continue;
+            const double squared = closest_points(a.triangle, b.triangle).squared_distance;
+            least = std::min(least, std::sqrt(squared));
+        }
+    }
+    return least;
+}
+
+/// Scans, fitted into a box of 10 cm, where there are any.
+std::vector<NamedMesh> scans()
+{
+    const std::filesystem::path shared =
+        std::filesystem::path(PROXIMA_SOURCE_DIR) / ".." / "shared" / "meshes";
+    const std::filesystem::path debian = "/usr/share/glmark2/models";
+    std::vector<NamedMesh> found;
+    for (const auto& path : {shared / "dragon_vrip_res3.ply", shared / "fandisk.obj",
+                             debian / "bunny.obj", debian / "cat.3ds"}) {
+        auto mesh = read_mesh(path);
+        if (!mesh) continue;
+        const Box box = bounding_box(*mesh);
+        const double scale = 0.1 / box.extent().maxCoeff();
+        found.push_back({path.filename().string(), moved(*mesh, [&](const Vec3& p) {
+                             return Vec3(scale * (p - box.center()));
+                         })});
+    }
+    return found;
+}
+
+/// Random approaches to points of scans, from outside through the surface, turning, and back again.
+TEST(ToolApproachesToScans, PassNothing)
+{
+    const std::vector<NamedMesh> found = scans();
+    std::uint32_t seed = 5000;
+    for (const NamedMesh& scan : found) {
+        const MeshIndex index = index_of(scan.mesh);
+        const std::vector<BoxedTriangle> all = boxed(scan.mesh);
+        int touches = 0;
+        double nearest = 1;
+        for (const NamedMesh& tool : tools()) {
+            double reach = 0;
+            for (const Vec3& p : tool.mesh.positions()) reach = std::max(reach, p.norm());
+            ++seed;
+            SCOPED_TRACE(scan.name + ", " + tool.name + ", seed " + std::to_string(seed));
+            Random random(seed);
+            ToolBench bench(tool.mesh, {{index, {}}});
+            const auto id = static_cast<std::uint32_t>(
+                random(0, static_cast<double>(scan.mesh.triangle_count())));
+            const Triangle aim = scan.mesh.triangle(TriangleId{id});
+            const Vec3 outward = scaled_normal(aim).normalized() + 0.5 * random.direction();
+            RigidTransform device =
+                pose_at(aim[0] + 0.11 * outward.normalized(), 3 * random.direction());
+            bench.start(device);
+            if (!bench.renderer().last().is_placed) continue; // begins in another part
+            const double speed = random(0.3e-3, 1e-3);
+            const Vec3 spin = random(0, 15e-3) * random.direction();
+            const Vec3 velocity = -speed * outward.normalized();
+            const int ticks = static_cast<int>(0.125 / speed);
+            for (int tick = 0; tick < 2 * ticks; ++tick) {
+                device.translation += tick < ticks ? velocity : Vec3(-velocity);
+                device = moved_by(device, {Vec3::Zero(), spin}, 1);
+                const ToolTick& felt = bench.tick(device);
+                touches += felt.contact_count > 0 ? 1 : 0;
+                const auto path = bench.renderer().path();
+                double length = 0;
+                for (std::size_t i = 0; i + 1 < path.size(); ++i)
+                    length += twist_between(path[i], path[i + 1]).path_length(reach);
+                const auto near =
+                    near_ball(all, path.front().translation, reach + length + 2 * clearance);
+                if (near.empty()) continue;
+                for (std::size_t i = 0; i + 1 < path.size(); ++i) {
+                    const Twist twist = twist_between(path[i], path[i + 1]);
+                    const int parts = 1 + static_cast<int>(twist.path_length(reach) / 1e-3);
+                    for (int part = 1; part <= parts; ++part) {
+                        const RigidTransform pose =
+                            moved_by(path[i], twist, part / static_cast<double>(parts));
+                        const double distance =
+                            distance_of(near, boxed(tool.mesh, pose), 2 * clearance);
+                        nearest = std::min(nearest, distance);
+                        ASSERT_GT(distance, 0.5 * clearance - 1e-9) << "tick " << tick;
+                    }
+                }
+            }
+        }
+        std::cout << scan.name << ": " << touches << " ticks in contact, no nearer than "
+                  << 1e6 * nearest << " um\n";
+        EXPECT_GT(touches, 100);
+    }
+    if (found.empty()) GTEST_SKIP() << "install glmark2-data: without it there are no scans";
 }
 
 INSTANTIATE_TEST_SUITE_P(Objects, ToolApproaches, ::testing::Range(std::size_t{0}, std::size_t{8}));

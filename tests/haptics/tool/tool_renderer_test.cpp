@@ -187,6 +187,47 @@ TEST(ToolRenderer, TicksAllocateNothing)
     EXPECT_GT(bench.renderer().last().contact_count, 0U);
 }
 
+/// However little work a tick may do, the tool enters nothing, and says where it had to stop.
+TEST(ToolRenderer, TicksEndAtTheirWork)
+{
+    const TriangleMesh ball =
+        moved(*sample_mesh("icosphere:4"), [](const Vec3& p) { return Vec3(0.02 * p); });
+    const MeshIndex object =
+        index_of(moved(*sample_mesh("torus:48x24"), [](const Vec3& p) { return Vec3(0.03 * p); }));
+    double stretch = 0; // without a bound
+    for (const std::size_t most : {0U, 1600U, 800U, 400U, 100U}) {
+        SCOPED_TRACE(most);
+        ToolRenderOptions options = plain_springs();
+        options.max_work = most;
+        ToolBench bench(ball, {{object, {}}}, options);
+        bench.start(pose_at({0.03, 0, 0.05}));
+        std::size_t largest = 0;
+        int cut = 0;
+        for (int i = 0; i < 300; ++i) {
+            const double angle = 0.01 * i;
+            const ToolTick& tick = bench.tick(
+                pose_at({0.03 * std::cos(angle), 0.03 * std::sin(angle), 0.05 - 1e-4 * i},
+                        {angle, 0, 2 * angle}));
+            largest = std::max(largest, tick.work);
+            cut += tick.end == ToolEnd::cut_short ? 1 : 0;
+            ASSERT_FALSE(bench.meets()) << i;
+        }
+        // What is begun is finished, such as two lists of 2,048 pairs.
+        if (most > 0) {
+            EXPECT_LE(largest, most + 800);
+        }
+        EXPECT_EQ(cut > 0, most > 0);
+        std::cout << "at most " << most << ": work " << largest << ", " << cut
+                  << " ticks cut short\n";
+        for (int i = 0; i < 200; ++i) bench.tick(pose_at({0.03, 0, 0.02}));
+        const Vec3& rest = bench.renderer().last().spring_force;
+        if (most == 0) stretch = rest.norm();
+        if (most >= 400) {
+            EXPECT_NEAR(rest.norm(), stretch, 0.02 * stretch);
+        }
+    }
+}
+
 TEST(ToolRenderer, SeveralObjectsAreTouchedWhereTheyStand)
 {
     // Two slabs that lean on each other make a groove of 90 degrees for the box on its edge.
@@ -220,6 +261,8 @@ TEST(ToolRenderer, WrongOptionsAreNamed)
     EXPECT_EQ(error_of({.clearance = 0}, object), "clearance");
     EXPECT_EQ(error_of({.clearance = 1e-12}, object), "clearance"); // lost in rounding
     EXPECT_EQ(error_of({.max_moves = 0}, object), "max_moves");
+    EXPECT_EQ(error_of({.max_work = 99}, object), "max_work");
+    EXPECT_EQ(error_of({.max_work = 0}, object), "none");
     EXPECT_EQ(error_of({}, {tool, {2 * Mat3::Identity(), Vec3::Zero()}}), "objects");
 }
 
