@@ -35,6 +35,8 @@ struct HandOutcome {
     SwingReport swings;
     InputReport input;
     double greatest_force = 0; ///< N
+    double damped = 0;         ///< part of the ticks in which the guard added damping
+    double taken = 0;          ///< by the guards, in the mean, in parts of the mean force
 };
 
 /// Taps of `depth` below the wall, of which `above` is the part of the way above it. A share `inward`
@@ -170,6 +172,8 @@ inline HandOutcome run_hand_session(const SwingWall& wall, const HandSession& se
     DeviceReading reading;
     Vec3 before = start;
     HandPath path = session.path;
+    double whole = 0;
+    double taken = 0;
     const auto ticks = static_cast<std::int64_t>(std::llround(seconds / tick_seconds));
     for (std::int64_t tick = -300; tick < ticks; ++tick) {
         const double time = tick_seconds * static_cast<double>(tick);
@@ -192,8 +196,14 @@ inline HandOutcome run_hand_session(const SwingWall& wall, const HandSession& se
         const DeviceCommand command = input.command(renderer);
         if (session.hand) hand.step(command.force, target);
         outcome.greatest_force = std::max(outcome.greatest_force, felt.force.norm());
+        if (tick < 0) continue;
+        const Vec3 spring = shortened(felt.spring, session.device.max_force);
+        whole += spring.norm();
+        taken += (felt.force - spring).norm();
     }
+    if (whole > 0) outcome.taken = taken / whole;
     outcome.swings = parts_of(renderer).passivity().report();
+    outcome.damped = static_cast<double>(outcome.swings.damped_ticks) / static_cast<double>(ticks);
     outcome.input = input.report();
     return outcome;
 }

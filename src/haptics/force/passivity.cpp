@@ -10,31 +10,40 @@ namespace proxima {
 
 namespace {
 
-/// N s/m: the friction of the best devices. Less than this is not enough to keep a swing going.
+/// N s/m: the friction of the best devices. Less than this is not enough to keep a swing going, and
+/// less damping ends none.
 constexpr double least_device_damping = 0.1;
 
 /// Damping and softening answer two legs in succession that do not fade. A leg that is half as long
 /// again as the one before counts twice.
 constexpr int least_legs = 2;
 
-constexpr double least_step = 0.25; ///< of the damping that is allowed: four answers come to all
-constexpr double nearly_all = 0.9;  ///< of it
+/// The damping of an answer, in parts of what leaves a contact that gives nothing: it takes as much
+/// as it gave, so what grew by itself fades as fast.
+constexpr double firmness = 2;
+
+/// A leg is compared with the shorter of the two before it. So the third leg after an answer is the
+/// first one that is compared with legs after the answer alone.
+constexpr int hand_legs = 3;
+
+constexpr double nearly_all = 0.9; ///< of the damping that is allowed
 constexpr double least_softness = 0.2;
 constexpr double softening = 0.7;
-constexpr double recovery = 4;      ///< s, in which s doubles, or damping halves
-constexpr double negligible = 0.01; ///< of the device's damping
+constexpr double recovery = 4; ///< s, in which s doubles, or damping halves; and of trust
 
 /// A mass m that hits a wall is in contact for pi sqrt(m / K) or longer. With all damping that the known
 /// devices allow, the wall throws it back faster than it came only if that is less than five and a
 /// half times the delay of the damping: the ticks of the force's delay, half a tick for the hold, and
-/// half a tick for a velocity by differences.
+/// half a tick for a velocity by differences. Ticks in which a slew limit holds the force back add to
+/// them.
 constexpr double brief_contact = 6; ///< of these delays
 constexpr double least_mass = 0.06; ///< kg: an assumption, of a device and what holds it
 
-/// Whether a fully damped wall may have caused a cycle with so much time in contact.
-bool is_brief(double contact, double stiffness, double tick_seconds) noexcept
+/// Whether a fully damped wall, whose forces are late by further ticks, may have caused a cycle with so
+/// much time in contact.
+bool is_brief(double contact, double stiffness, int late_ticks, double tick_seconds) noexcept
 {
-    const double longest = brief_contact * (most_delay_ticks + 1) * tick_seconds;
+    const double longest = brief_contact * (most_delay_ticks + 1 + late_ticks) * tick_seconds;
     const double least = std::numbers::pi * std::sqrt(least_mass / stiffness);
     return contact <= longest && least <= longest;
 }
@@ -45,6 +54,17 @@ void PassivityGuard::mark() noexcept
 {
     cycle_began_ = leg_began_;
     leg_began_ = account_.sums();
+    last_leg_late_ = leg_late_;
+    leg_late_ = late_;
+}
+
+void PassivityGuard::applied(const Vec3& force) noexcept
+{
+    if (mode_ != Guard::on) return;
+    account_.applied(force);
+    constexpr double rounding = 1e-9; // of the device's force
+    late_ = (force - wanted_).norm() > rounding * max_force_ ? late_ + 1 : 0;
+    leg_late_ = std::max(leg_late_, late_);
 }
 
 void PassivityGuard::soften(double factor) noexcept
@@ -60,7 +80,7 @@ void PassivityGuard::answer(const SwingTick& tick, double needed, bool brief) no
     const double most = std::max(max_damping_ - surface_damping_, 0.0);
     if (damping_ < nearly_all * most) {
         report_.swings += damping_ > 0 ? 0U : 1U;
-        const double step = brief || tick.quick ? most : std::max(needed, least_step * most);
+        const double step = brief || tick.quick ? most : firmness * needed;
         damping_ = std::min(damping_ + step, most);
         report_.most_damping = std::max(report_.most_damping, damping_);
     } else if (!brief && !tick.quick) {
@@ -71,6 +91,19 @@ void PassivityGuard::answer(const SwingTick& tick, double needed, bool brief) no
     if (tick.quick) soften(least_softness);
     // What was given before the answer says nothing about what is given after it.
     leg_began_ = cycle_began_ = account_.sums();
+    kept_legs_ = 0;
+    trust_ = 0;
+}
+
+/// Ends the damping, at a turn of the motion, where a hand makes it: legs do not fade though the last
+/// cycle took energy.
+void PassivityGuard::trust_hand(double given) noexcept
+{
+    kept_legs_ = swing_.is_kept() ? kept_legs_ + 1 : 0;
+    if (!(damping_ > 0) || kept_legs_ < hand_legs || given > 0 || swing_.is_fast()) return;
+    damping_ = 0;
+    trust_ = recovery;
+    trusted_leg_ = swing_.last_leg();
 }
 
 /// Weighs a leg that did not fade by the energy of the cycle that it ends.
@@ -82,10 +115,15 @@ void PassivityGuard::judge(const SwingTick& tick, double seconds) noexcept
     const double motion = now.motion - cycle_began_.motion;
     const double in_contact = now.motion_in_contact - cycle_began_.motion_in_contact;
     gives_ = given > least_device_damping * motion;
+    // Beyond doubt, as for gives_.
+    if (tick.turned) trust_hand(given + least_device_damping * motion);
     if (!tick.reported || !(tick.legs >= least_legs || tick.quick) || !gives_) return;
+    const bool brief =
+        is_brief(tick.contact, stiffness_, std::max(leg_late_, last_leg_late_), seconds);
+    const bool trusted = trust_ > 0 && tick.length < 2 * trusted_leg_;
+    if (trusted && !brief && !tick.fast) return;
     report_.most_given = std::max(report_.most_given, given);
-    answer(tick, in_contact > 0 ? std::max(given, 0.0) / in_contact : 0,
-           is_brief(tick.contact, stiffness_, seconds));
+    answer(tick, in_contact > 0 ? std::max(given, 0.0) / in_contact : 0, brief);
 }
 
 /// Less than by s, so that a softened wall can stop what made it swing; never more than is allowed.
@@ -97,6 +135,7 @@ double PassivityGuard::softened_damping() const noexcept
 /// Softening and damping fade, in this order, once the contact no longer swings.
 void PassivityGuard::recover(double seconds) noexcept
 {
+    trust_ = std::max(trust_ - seconds, 0.0);
     if (softness_ < 1) {
         softened_seconds_ += seconds;
         report_.longest_softening = std::max(report_.longest_softening, softened_seconds_);
@@ -107,7 +146,7 @@ void PassivityGuard::recover(double seconds) noexcept
         if (softness_ >= 1) softened_seconds_ = 0;
     } else if (damping_ > 0) {
         damping_ *= std::exp2(-seconds / recovery);
-        if (damping_ < negligible * max_damping_) damping_ = 0;
+        if (damping_ < least_device_damping) damping_ = 0;
     }
 }
 
@@ -140,6 +179,7 @@ Vec3 PassivityGuard::pass(const Vec3& position, const Vec3& velocity, const Cont
     if (tick.turned) mark();
     const Vec3 result = guarded(force, velocity);
     account_.applied(result);
+    wanted_ = shortened(result, max_force_);
     const bool touches = force.spring != Vec3::Zero();
     report_.damped_ticks += touches && damping_ > 0 ? 1U : 0U;
     report_.softened_ticks += touches && softness_ < 1 ? 1U : 0U;
@@ -152,6 +192,9 @@ void PassivityGuard::restart() noexcept
     account_.restart();
     leg_began_ = cycle_began_ = {};
     gives_ = false;
+    kept_legs_ = 0;
+    trust_ = 0;
+    late_ = leg_late_ = last_leg_late_ = 0;
 }
 
 void PassivityGuard::reset() noexcept

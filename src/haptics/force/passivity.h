@@ -3,17 +3,22 @@
 //
 //     evidence     a motion to and fro that does not fade (swing_detector.h), while the contact gave
 //                  more energy than a device takes (energy_account.h)
-//     damping      the first answer: as much as the contact gave, over v^2, up to the device's limit
+//     damping      the first answer: twice as much as the contact gave, over v^2, up to the device's
+//                  limit
 //     softening    the second, where all damping does not end it and contacts are brief: the force is
 //                  scaled by s, from 1 down to a fifth, and the guard's damping by its square root
+//     trust        a contact that takes energy for every delay cannot keep a swing going. Where a
+//                  motion does not fade all the same a hand makes it: damping ends, and begins again
+//                  only where the motion doubles, or after some seconds
 //     recovery     both halve or double in four seconds, once the contact no longer swings
 //
 // Damping comes first because it is enough for a hand: with B >= K (delay + T / 2) a contact gives
 // nothing at the rates of a hand, whatever hand it is and however long it taps or trembles. All known
 // devices allow that much at their greatest stiffness for delays up to three ticks. The damping is
 // late too: a wall that has all of it can still drive a swing that is in contact for less than six
-// delays a cycle, where it is stiff enough to make contacts of the lightest device that brief.
-// Whatever swings more slowly is moved by a hand, and is not softened.
+// delays a cycle, where it is stiff enough to make contacts of the lightest device that brief. A slew
+// limit that holds the force back makes it later still. Whatever swings more slowly is moved by a
+// hand, and is not softened.
 #pragma once
 
 #include "haptics/force/energy_account.h"
@@ -58,10 +63,7 @@ public:
                             double seconds) noexcept;
 
     /// The force that the device got after later guards.
-    void applied(const Vec3& force) noexcept
-    {
-        if (mode_ == Guard::on) account_.applied(force);
-    }
+    void applied(const Vec3& force) noexcept;
 
     /// Forgets the motion: the device jumped, or it touches another surface. What the guard adds
     /// stays.
@@ -85,6 +87,7 @@ public:
 private:
     void judge(const SwingTick& tick, double seconds) noexcept;
     void answer(const SwingTick& tick, double needed, bool brief) noexcept;
+    void trust_hand(double given) noexcept;
     void soften(double factor) noexcept;
     [[nodiscard]] double softened_damping() const noexcept;
     void recover(double seconds) noexcept;
@@ -99,6 +102,13 @@ private:
     EnergySums leg_began_;       ///< the account at the last turn
     EnergySums cycle_began_;     ///< and at the turn before
     bool gives_ = false;         ///< the last cycle gave more than a device takes
+    int kept_legs_ = 0;          ///< in succession, since the last answer
+    double trust_ = 0;           ///< s, for which a hand's motion is not answered
+    double trusted_leg_ = 0;     ///< m, of that motion
+    Vec3 wanted_ = Vec3::Zero(); ///< N: what the device would get without a slew limit
+    int late_ = 0;               ///< ticks for which it has not got it
+    int leg_late_ = 0;           ///< the most of them in this leg
+    int last_leg_late_ = 0;
     double stiffness_ = 0;       ///< N/m, of the last contact
     double surface_damping_ = 0; ///< N s/m
     double damping_ = 0;

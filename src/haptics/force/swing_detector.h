@@ -53,6 +53,10 @@ public:
         return !is_away() && direction_ != 0 && amplitude_ > 0 && leg_seconds_ <= longest_leg;
     }
     [[nodiscard]] bool is_fast() const noexcept { return last_fast_; }
+    /// Whether the last leg did not fade.
+    [[nodiscard]] bool is_kept() const noexcept { return legs_ > 0; }
+    /// The last leg, m; 0 where it was slower than a swing's.
+    [[nodiscard]] double last_leg() const noexcept { return last_leg_; }
 
 private:
     /// s: half a period of 2 Hz. A device of 0.3 kg on a wall of 160 N/m swings at 3.7 Hz.

@@ -13,9 +13,9 @@ namespace proxima::soak {
 int run_hand_soak(double seconds, std::uint64_t seed, bool hardest, const std::string& only,
                   const std::string& name)
 {
-    std::printf("seed %llu, sessions of %g s\n%-8s %6s %9s %9s %9s %9s %9s\n",
+    std::printf("seed %llu, sessions of %g s\n%-8s %6s %9s %9s %9s %9s %9s %9s %9s\n",
                 static_cast<unsigned long long>(seed), seconds, "device", "K", "sessions",
-                "damped %", "softened", "least", "faulty");
+                "damped %", "most", "taken %", "softened", "least", "faulty");
     const testing::SwingWall wall(testing::WallSides::one);
     bool right = true;
     for (const DeviceLimits& device : known_devices()) {
@@ -28,7 +28,9 @@ int run_hand_soak(double seconds, std::uint64_t seed, bool hardest, const std::s
             std::erase_if(sessions, [&](const testing::HandSession& session) {
                 return session.name.find(name) == std::string::npos;
             });
-            std::uint64_t damped = 0;
+            double damped = 0;
+            double most_damped = 0;
+            double most_taken = 0;
             int softened = 0;
             int faulty = 0;
             double least = 1;
@@ -36,7 +38,9 @@ int run_hand_soak(double seconds, std::uint64_t seed, bool hardest, const std::s
                 const testing::HandOutcome outcome =
                     testing::run_hand_session(wall, session, seconds);
                 const SwingReport& swings = outcome.swings;
-                damped += swings.damped_ticks;
+                damped += outcome.damped / static_cast<double>(sessions.size());
+                most_damped = std::max(most_damped, outcome.damped);
+                most_taken = std::max(most_taken, outcome.taken);
                 faulty += outcome.input.faulty_ticks > 0 ? 1 : 0;
                 if (swings.softened_ticks == 0) continue;
                 ++softened;
@@ -45,10 +49,9 @@ int run_hand_soak(double seconds, std::uint64_t seed, bool hardest, const std::s
                             static_cast<unsigned long long>(swings.softenings),
                             swings.lowest_softness, swings.longest_softening, session.name.c_str());
             }
-            const double ticks = 1e3 * seconds * static_cast<double>(sessions.size());
-            std::printf("%-8s %6.0f %9zu %9.1f %9d %9.2f %9d\n", std::string(device.name).c_str(),
-                        stiffness, sessions.size(), 100 * static_cast<double>(damped) / ticks,
-                        softened, least, faulty);
+            std::printf("%-8s %6.0f %9zu %9.1f %9.1f %9.1f %9d %9.2f %9d\n",
+                        std::string(device.name).c_str(), stiffness, sessions.size(), 100 * damped,
+                        100 * most_damped, 100 * most_taken, softened, least, faulty);
             (void)std::fflush(stdout);
             right = right && faulty == 0 && (softened == 0 || stiffness > usual);
         }
