@@ -84,25 +84,20 @@ Status check_penalty(const TouchCommandOptions& options)
 /// The simulated hand and the device that it holds.
 void add_hand_options(CLI::App& parser, HandModel& hand)
 {
-    const auto add = [&](const char* name, double& value, const char* what, const char* unit,
-                         double least, double most) {
-        parser.add_option(name, value, what)
-            ->check(number_from(least, most))
-            ->capture_default_str()
-            ->type_name(unit);
-    };
-    add("--hand-mass", hand.mass, "Mass of a simulated hand and its device together, kg", "M", 1e-3,
-        1e3);
-    add("--hand-stiffness", hand.hand_stiffness,
+    add_number(parser, "--hand-mass", hand.mass,
+               "Mass of a simulated hand and its device together, kg", "M", 1e-3, 1e3);
+    add_number(
+        parser, "--hand-stiffness", hand.hand_stiffness,
         "Stiffness of the spring that pulls a simulated hand along its script, N/m; 0 for none",
         "K", 0, 1e5);
-    add("--hand-damping", hand.hand_damping, "Damping of that spring, N s/m", "B", 0, 1e3);
-    add("--device-damping", hand.device_damping,
-        "Viscous damping of a simulated hand's device, N s/m", "B", 0, 1e3);
-    add("--device-friction", hand.coulomb_friction, "Dry friction of a simulated hand's device, N",
-        "F", 0, 1e2);
-    add("--encoder-step", hand.encoder_step,
-        "Encoder step of a simulated hand's device, m; 0 for none", "M", 0, 1e-4);
+    add_number(parser, "--hand-damping", hand.hand_damping, "Damping of that spring, N s/m", "B", 0,
+               1e3);
+    add_number(parser, "--device-damping", hand.device_damping,
+               "Viscous damping of a simulated hand's device, N s/m", "B", 0, 1e3);
+    add_number(parser, "--device-friction", hand.coulomb_friction,
+               "Dry friction of a simulated hand's device, N", "F", 0, 1e2);
+    add_number(parser, "--encoder-step", hand.encoder_step,
+               "Encoder step of a simulated hand's device, m; 0 for none", "M", 0, 1e-4);
     parser
         .add_option("--delay", hand.delay_ticks,
                     "Ticks by which forces reach a simulated hand late")
@@ -366,6 +361,15 @@ void add_touch_options(CLI::App& parser, TouchCommandOptions& options)
             "Plot force, depth and guards over time (.png, .svg or .pdf), or write a row for "
             "each tick (.csv)")
         ->type_name("FILE");
+}
+
+void add_number(CLI::App& parser, const char* name, double& value, const char* what,
+                const char* unit, double least, double most)
+{
+    parser.add_option(name, value, what)
+        ->check(number_from(least, most))
+        ->capture_default_str()
+        ->type_name(unit);
 }
 
 } // namespace proxima

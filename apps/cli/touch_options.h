@@ -72,4 +72,8 @@ void add_touch_options(CLI::App& parser, TouchCommandOptions& options);
 /// Accepts one finite number in the range.
 [[nodiscard]] CLI::Validator number_from(double least, double most);
 
+/// Adds an option for such a number; `unit` stands for it in the help.
+void add_number(CLI::App& parser, const char* name, double& value, const char* what,
+                const char* unit, double least, double most);
+
 } // namespace proxima

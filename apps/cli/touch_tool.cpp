@@ -120,28 +120,21 @@ constexpr std::string_view row_header =
 
 void add_tool_options(CLI::App& parser, ToolCommandOptions& options)
 {
-    const auto add = [&](const char* name, double& value, const char* what, const char* unit,
-                         double least, double most) {
-        parser.add_option(name, value, what)
-            ->check(number_from(least, most))
-            ->capture_default_str()
-            ->type_name(unit);
-    };
     parser
         .add_option("--tool", options.tool,
                     "Touch with this mesh in place of a point, its origin at the device's tip: a "
                     "file or a built-in model")
         ->type_name("TOOL");
-    add("--tool-scale", options.tool_scale, "Scale of the tool's coordinates, to the model's unit",
-        "F", 1e-9, 1e9);
-    add("--turn", options.turn,
-        "How far a simulated hand turns the tool to and fro about each axis, degrees", "DEGREES", 0,
-        170);
-    add("--max-torque", options.max_torque,
-        "Torque that the device can give, N m; 0 for a device without", "TAU", 0, 1e3);
-    add("--clearance", options.clearance,
-        "Distance at which a tool and the model touch, m; half of it is always kept", "M", 1e-9,
-        1e-2);
+    add_number(parser, "--tool-scale", options.tool_scale,
+               "Scale of the tool's coordinates, to the model's unit", "F", 1e-9, 1e9);
+    add_number(parser, "--turn", options.turn,
+               "How far a simulated hand turns the tool to and fro about each axis, degrees",
+               "DEGREES", 0, 170);
+    add_number(parser, "--max-torque", options.max_torque,
+               "Torque that the device can give, N m; 0 for a device without", "TAU", 0, 1e3);
+    add_number(parser, "--clearance", options.clearance,
+               "Distance at which a tool and the model touch, m; half of it is always kept", "M",
+               1e-9, 1e-2);
     parser
         .add_option(
             "--max-work", options.max_work,

@@ -3,6 +3,7 @@
 #include "base/check.h"
 #include "base/text.h"
 #include "haptics/force/surface_renderer.h"
+#include "haptics/scene/material_change.h"
 #include "proxima/haptic_renderer.h"
 
 #include <algorithm>
@@ -182,9 +183,8 @@ void EngineLink::merge(const PacketObject& object, double late) noexcept
     }
     if (right && has_material) {
         const SurfaceMaterial& m = object.material;
-        for (const double x : {m.stiffness, m.damping, m.static_friction, m.dynamic_friction})
-            right = right && is_within(x, most_strength);
-        right = right && m.dynamic_friction <= m.static_friction;
+        right =
+            is_valid(m) && std::max({m.stiffness, m.damping, m.static_friction}) <= most_strength;
     }
     if (!right) {
         ++report_.refused_objects;
