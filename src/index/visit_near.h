@@ -26,7 +26,7 @@ struct RowRange {
 };
 
 /// The leaves near a box, one after the other. Allocates nothing.
-class NearWalk {
+class PROXIMA_HIDDEN NearWalk {
 public:
     /// The leaves whose boxes are within the squared distance, in the index's units: none where
     /// that is negative or NaN. \pre the box, in the mesh's coordinates, is finite and not empty

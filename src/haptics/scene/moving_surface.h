@@ -35,7 +35,7 @@
 namespace proxima {
 
 /// An object in a tick of the servo loop.
-struct SceneObject {
+struct PROXIMA_HIDDEN SceneObject {
     const ContactBody* body = nullptr;
     RigidTransform before; ///< pose of the last tick
     RigidTransform now;
