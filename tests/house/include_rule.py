@@ -68,7 +68,7 @@ KERNELS = {f"src/octree/{name}" for name in (
         "rays/intersect_exact-inl.h", "rays/prepare_ray-inl.h", "rays/walk_ray-inl.h")} | {
     f"src/haptics/surface/{name}" for name in (
         "ball_gaps-inl.h", "find_groups.cpp", "groups_along_segment.cpp", "near_groups.cpp", "triangle_groups.cpp",
-        "triangle_tree_search.cpp")}
+        "triangle_tree_search.cpp")} | {"src/haptics/tool/closest_directions.cpp"}
 
 # Headers of one processor: immintrin.h, x86intrin.h, arm_neon.h, riscv_vector.h and their like.
 INTRINSICS = re.compile(r"^(\w*intrin|cpuid|(arm|riscv)_\w+|altivec|wasm_simd128|msa)\.h$")
