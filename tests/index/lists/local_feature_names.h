@@ -1,18 +1,34 @@
 // Which features of the mesh the builder's local features are: it does not keep their ids.
 #pragma once
 
+#include "geometry/exact_predicates.h"
 #include "index/lists/local_features.h"
 #include "proxima/topology.h"
 #include "proxima/triangle_mesh.h"
 
+#include <cstddef>
+#include <cstdint>
 #include <span>
 #include <stdexcept>
 #include <vector>
 
 namespace proxima::testing {
 
-/// By place among the local features, in their order: of each triangle the face if it has one, its
-/// edges, its vertices, where they come first.
+inline std::uint32_t longest_side(const TriangleMesh& mesh, const Topology& topology, TriangleId id)
+{
+    const Triangle triangle = mesh.triangle(id);
+    std::size_t longest = 0;
+    double most = 0;
+    for (std::size_t side = 0; side < 3; ++side) {
+        const double squared =
+            (triangle.vertices[(side + 1) % 3] - triangle.vertices[side]).squaredNorm();
+        if (squared > most) most = squared, longest = side;
+    }
+    return to_index(topology.edges(id)[longest]);
+}
+
+/// By place among the local features, in their order: of each triangle the face or, of a sliver, its
+/// longest side, its edges, its vertices, where they come first.
 inline std::vector<Feature> names_of(const LocalFeatures& features, const TriangleMesh& mesh,
                                      const Topology& topology, std::span<const TriangleId> order)
 {
@@ -30,6 +46,8 @@ inline std::vector<Feature> names_of(const LocalFeatures& features, const Triang
             const LocalFeature& next = features.features[names.size()];
             if (next.kind == FeatureKind::face && features.triangles(next).front() == rank)
                 add(FeatureKind::face, to_index(order[rank]));
+            else if (!is_degenerate(mesh.triangle(order[rank]))) // a sliver, as its longest side
+                add(FeatureKind::edge, longest_side(mesh, topology, order[rank]));
         }
         for (const EdgeId edge : topology.edges(order[rank])) {
             if (edge == no_edge || edge_seen[to_index(edge)]) continue;
