@@ -83,8 +83,8 @@ PROXIMA_C_API const char* proxima_error_message(void);
 
 /* Where a pointer to one is taken, NULL stands for zeros. */
 typedef struct proxima_execution {
-    int32_t threads;            /* 0: all of the machine. Results never depend on it. */
-    uint64_t budget_bytes;      /* of result and scratch; 0: three quarters of the machine's memory */
+    int32_t threads;       /* 0: all of the machine. Results never depend on it. */
+    uint64_t budget_bytes; /* of result and scratch; 0: three quarters of the machine's memory */
     proxima_progress* progress; /* may be NULL */
 } proxima_execution;
 
@@ -101,8 +101,9 @@ PROXIMA_C_API const char* proxima_progress_stage(const proxima_progress* progres
 /* ---- Meshes ------------------------------------------------------------------------------------------------ */
 
 /* Copies the arrays. PROXIMA_INVALID_MESH where an index is out of range. */
-PROXIMA_C_API proxima_status proxima_mesh_create(const double* vertices, size_t vertex_count, const uint32_t* triangles,
-                                                 size_t triangle_count, proxima_mesh** mesh);
+PROXIMA_C_API proxima_status proxima_mesh_create(const double* vertices, size_t vertex_count,
+                                                 const uint32_t* triangles, size_t triangle_count,
+                                                 proxima_mesh** mesh);
 /* OBJ, PLY, STL or OFF, told by the extension, in double precision; 3DS, glTF and GLB where the library was built
  * with assimp. */
 PROXIMA_C_API proxima_status proxima_mesh_read(const char* path, proxima_mesh** mesh);
@@ -117,7 +118,8 @@ PROXIMA_C_API size_t proxima_mesh_triangle_count(const proxima_mesh* mesh);
 PROXIMA_C_API const double* proxima_mesh_vertices(const proxima_mesh* mesh);
 PROXIMA_C_API const uint32_t* proxima_mesh_triangles(const proxima_mesh* mesh);
 /* The box of the vertices that triangles use. PROXIMA_INVALID_MESH: no triangles, or a vertex is not finite. */
-PROXIMA_C_API proxima_status proxima_mesh_bounds(const proxima_mesh* mesh, double lower[3], double upper[3]);
+PROXIMA_C_API proxima_status proxima_mesh_bounds(const proxima_mesh* mesh, double lower[3],
+                                                 double upper[3]);
 
 /* ---- The index --------------------------------------------------------------------------------------------- */
 
@@ -131,7 +133,8 @@ typedef enum proxima_additions {
 /* additions: a sum of proxima_additions, or 0. The index holds a copy of the triangles. About 0.5 us per triangle.
  * PROXIMA_INVALID_MESH: no triangles, or a vertex is not finite. execution may be NULL. */
 PROXIMA_C_API proxima_status proxima_index_build(const proxima_mesh* mesh, uint32_t additions,
-                                                 const proxima_execution* execution, proxima_index** index);
+                                                 const proxima_execution* execution,
+                                                 proxima_index** index);
 /* A .pxi file, whole or not at all. */
 PROXIMA_C_API proxima_status proxima_index_save(const proxima_index* index, const char* path);
 PROXIMA_C_API proxima_status proxima_index_load(const char* path, proxima_index** index);
@@ -145,30 +148,42 @@ PROXIMA_C_API uint64_t proxima_index_bytes(const proxima_index* index);
 
 /* ---- Closest features and signed distances ----------------------------------------------------------------- */
 
-typedef enum proxima_feature_kind { PROXIMA_VERTEX = 0, PROXIMA_EDGE = 1, PROXIMA_FACE = 2 } proxima_feature_kind;
+typedef enum proxima_feature_kind {
+    PROXIMA_VERTEX = 0,
+    PROXIMA_EDGE = 1,
+    PROXIMA_FACE = 2
+} proxima_feature_kind;
 
 typedef struct proxima_closest {
     double point[3];
     double barycentric[3]; /* of the point in the triangle */
     double squared_distance;
-    uint32_t triangle; /* the lowest that has the feature; PROXIMA_NONE where nothing is as near as the radius */
-    uint32_t feature;  /* the vertex, edge or face */
-    int32_t kind;      /* proxima_feature_kind */
+    uint32_t
+        triangle; /* the lowest that has the feature; PROXIMA_NONE where nothing is as near as the radius */
+    uint32_t feature; /* the vertex, edge or face */
+    int32_t kind;     /* proxima_feature_kind */
 } proxima_closest;
 
 /* The vertex, edge or face closest to a point, no farther than the radius (INFINITY: any). Real-time safe.
  * PROXIMA_INVALID_ARGUMENT: the point is not finite. */
-PROXIMA_C_API proxima_status proxima_closest_feature(const proxima_index* index, const double point[3], double radius,
+PROXIMA_C_API proxima_status proxima_closest_feature(const proxima_index* index,
+                                                     const double point[3], double radius,
                                                      proxima_closest* closest);
 /* The same for many points. Each of the three arrays may be NULL or has an element for every point; squared
  * distances and triangles alone are quicker and need no memory. PROXIMA_INVALID_ARGUMENT names the first point that is not finite. */
-PROXIMA_C_API proxima_status proxima_closest_features(const proxima_index* index, const double* points, size_t count,
-                                                      const proxima_execution* execution, proxima_closest* closest,
-                                                      double* squared_distances, uint32_t* triangles);
+PROXIMA_C_API proxima_status proxima_closest_features(const proxima_index* index,
+                                                      const double* points, size_t count,
+                                                      const proxima_execution* execution,
+                                                      proxima_closest* closest,
+                                                      double* squared_distances,
+                                                      uint32_t* triangles);
 /* Negative inside. PROXIMA_INVALID_ARGUMENT: the point is not finite, or the index has no signs. Real-time safe. */
-PROXIMA_C_API proxima_status proxima_signed_distance(const proxima_index* index, const double point[3], double* distance);
-PROXIMA_C_API proxima_status proxima_signed_distances(const proxima_index* index, const double* points, size_t count,
-                                                      const proxima_execution* execution, double* distances);
+PROXIMA_C_API proxima_status proxima_signed_distance(const proxima_index* index,
+                                                     const double point[3], double* distance);
+PROXIMA_C_API proxima_status proxima_signed_distances(const proxima_index* index,
+                                                      const double* points, size_t count,
+                                                      const proxima_execution* execution,
+                                                      double* distances);
 
 /* ---- Rays -------------------------------------------------------------------------------------------------- */
 
@@ -191,32 +206,39 @@ typedef struct proxima_hit {
 typedef enum proxima_faces { PROXIMA_BOTH = 0, PROXIMA_FRONT = 1, PROXIMA_BACK = 2 } proxima_faces;
 
 /* The first hit. Real-time safe. PROXIMA_INVALID_ARGUMENT: not finite, no direction, or an empty range. */
-PROXIMA_C_API proxima_status proxima_first_hit(const proxima_index* index, const proxima_ray* ray, proxima_faces faces,
-                                               proxima_hit* hit);
-PROXIMA_C_API proxima_status proxima_first_hits(const proxima_index* index, const proxima_ray* rays, size_t count,
-                                                proxima_faces faces, const proxima_execution* execution, proxima_hit* hits);
+PROXIMA_C_API proxima_status proxima_first_hit(const proxima_index* index, const proxima_ray* ray,
+                                               proxima_faces faces, proxima_hit* hit);
+PROXIMA_C_API proxima_status proxima_first_hits(const proxima_index* index, const proxima_ray* rays,
+                                                size_t count, proxima_faces faces,
+                                                const proxima_execution* execution,
+                                                proxima_hit* hits);
 /* 1 where anything is hit, else 0, for each ray. */
-PROXIMA_C_API proxima_status proxima_any_hits(const proxima_index* index, const proxima_ray* rays, size_t count,
-                                              proxima_faces faces, const proxima_execution* execution, uint8_t* answers);
+PROXIMA_C_API proxima_status proxima_any_hits(const proxima_index* index, const proxima_ray* rays,
+                                              size_t count, proxima_faces faces,
+                                              const proxima_execution* execution, uint8_t* answers);
 /* All hits of a ray by t, then triangle: writes the first `capacity` of them, and how many there are in all. hits
  * may be NULL where capacity is 0. Real-time safe. */
-PROXIMA_C_API proxima_status proxima_all_hits(const proxima_index* index, const proxima_ray* ray, proxima_faces faces,
-                                              proxima_hit* hits, size_t capacity, size_t* count);
+PROXIMA_C_API proxima_status proxima_all_hits(const proxima_index* index, const proxima_ray* ray,
+                                              proxima_faces faces, proxima_hit* hits,
+                                              size_t capacity, size_t* count);
 
 /* ---- Two meshes, B in a rigid pose (may be NULL) ------------------------------------------------------------ */
 
 /* 1 where a triangle of A and one of B meet; touching counts. Real-time safe. PROXIMA_INVALID_ARGUMENT of all three:
  * the pose is not rigid. */
-PROXIMA_C_API proxima_status proxima_meshes_intersect(const proxima_index* a, const proxima_index* b,
+PROXIMA_C_API proxima_status proxima_meshes_intersect(const proxima_index* a,
+                                                      const proxima_index* b,
                                                       const double pose_b[12], int32_t* answer);
 /* All pairs of triangles that meet, a then b: 2 ids for each pair. Writes the first `capacity` pairs, and how many
  * there are in all. pairs may be NULL where capacity is 0. Real-time safe. */
-PROXIMA_C_API proxima_status proxima_intersecting_pairs(const proxima_index* a, const proxima_index* b,
-                                                        const double pose_b[12], uint32_t* pairs, size_t capacity,
-                                                        size_t* count);
+PROXIMA_C_API proxima_status proxima_intersecting_pairs(const proxima_index* a,
+                                                        const proxima_index* b,
+                                                        const double pose_b[12], uint32_t* pairs,
+                                                        size_t capacity, size_t* count);
 
 typedef struct proxima_distance {
-    double distance;   /* of the surfaces, 0 where they touch; INFINITY where they are farther than was asked */
+    double
+        distance; /* of the surfaces, 0 where they touch; INFINITY where they are farther than was asked */
     double point_a[3]; /* closest points, both where B has been moved */
     double point_b[3];
     uint32_t triangle_a; /* PROXIMA_NONE where they are farther than was asked */
@@ -224,16 +246,19 @@ typedef struct proxima_distance {
 } proxima_distance;
 
 /* farthest: INFINITY, or where the search ends. Real-time safe. */
-PROXIMA_C_API proxima_status proxima_mesh_distance(const proxima_index* a, const proxima_index* b, const double pose_b[12],
-                                                   double farthest, proxima_distance* distance);
+PROXIMA_C_API proxima_status proxima_mesh_distance(const proxima_index* a, const proxima_index* b,
+                                                   const double pose_b[12], double farthest,
+                                                   proxima_distance* distance);
 
 /* ---- What a view volume sees ------------------------------------------------------------------------------- */
 
 /* Planes as 4 doubles each, normal and offset, with normal . x + offset >= 0 inside; at most 1024. Triangles that
  * have a point in common with the volume (exact != 0) or lie wholly outside of no plane (exact == 0). Writes the first
  * `capacity` ids, and how many there are in all. ids may be NULL where capacity is 0. */
-PROXIMA_C_API proxima_status proxima_visible_triangles(const proxima_index* index, const double* planes, size_t plane_count,
-                                                       int32_t exact, uint32_t* ids, size_t capacity, size_t* count);
+PROXIMA_C_API proxima_status proxima_visible_triangles(const proxima_index* index,
+                                                       const double* planes, size_t plane_count,
+                                                       int32_t exact, uint32_t* ids,
+                                                       size_t capacity, size_t* count);
 
 /* ---- Touch: metres, newtons, seconds ------------------------------------------------------------------------ */
 
@@ -245,16 +270,18 @@ typedef struct proxima_material {
 } proxima_material;
 
 /* What can be touched: a mesh with its index. material may be NULL: then the renderer's own settings hold. */
-PROXIMA_C_API proxima_status proxima_body_create(const proxima_mesh* mesh, const proxima_material* material,
+PROXIMA_C_API proxima_status proxima_body_create(const proxima_mesh* mesh,
+                                                 const proxima_material* material,
                                                  proxima_body** body);
 PROXIMA_C_API void proxima_body_destroy(proxima_body* body);
 
 /* Up to 64 objects within a box. Objects are added before the first tick of a renderer, by one thread. */
-PROXIMA_C_API proxima_status proxima_scene_create(const double lower[3], const double upper[3], proxima_scene** scene);
+PROXIMA_C_API proxima_status proxima_scene_create(const double lower[3], const double upper[3],
+                                                  proxima_scene** scene);
 PROXIMA_C_API void proxima_scene_destroy(proxima_scene* scene);
 /* Gives the object's number, from 0. */
-PROXIMA_C_API proxima_status proxima_scene_add(proxima_scene* scene, const proxima_body* body, const double pose[12],
-                                               uint32_t* object);
+PROXIMA_C_API proxima_status proxima_scene_add(proxima_scene* scene, const proxima_body* body,
+                                               const double pose[12], uint32_t* object);
 
 typedef struct proxima_motion {
     double pose[12];      /* where the object will be */
@@ -265,8 +292,10 @@ typedef struct proxima_motion {
 } proxima_motion;
 
 /* At any time, by one thread for each object, while renderers run. */
-PROXIMA_C_API proxima_status proxima_scene_move(proxima_scene* scene, uint32_t object, const proxima_motion* motion);
-PROXIMA_C_API proxima_status proxima_scene_exchange(proxima_scene* scene, uint32_t object, const proxima_body* body);
+PROXIMA_C_API proxima_status proxima_scene_move(proxima_scene* scene, uint32_t object,
+                                                const proxima_motion* motion);
+PROXIMA_C_API proxima_status proxima_scene_exchange(proxima_scene* scene, uint32_t object,
+                                                    const proxima_body* body);
 
 typedef struct proxima_device_limits {
     double max_force;        /* N */
@@ -276,7 +305,8 @@ typedef struct proxima_device_limits {
 } proxima_device_limits;
 
 /* Of a known device: "touch", "omni", "desktop", "falcon", "omega", "delta". */
-PROXIMA_C_API proxima_status proxima_device_limits_of(const char* name, proxima_device_limits* limits);
+PROXIMA_C_API proxima_status proxima_device_limits_of(const char* name,
+                                                      proxima_device_limits* limits);
 
 /* A point p of the device, in metres, is center + units_per_metre p of the model. */
 typedef struct proxima_workspace {
@@ -285,10 +315,15 @@ typedef struct proxima_workspace {
 } proxima_workspace;
 
 /* Fits a box into six tenths of the workspace's radius. */
-PROXIMA_C_API proxima_status proxima_fit_workspace(const double lower[3], const double upper[3], double workspace_radius,
+PROXIMA_C_API proxima_status proxima_fit_workspace(const double lower[3], const double upper[3],
+                                                   double workspace_radius,
                                                    proxima_workspace* workspace);
 
-typedef enum proxima_guard { PROXIMA_GUARD_OFF = 0, PROXIMA_GUARD_OBSERVE = 1, PROXIMA_GUARD_ON = 2 } proxima_guard;
+typedef enum proxima_guard {
+    PROXIMA_GUARD_OFF = 0,
+    PROXIMA_GUARD_OBSERVE = 1,
+    PROXIMA_GUARD_ON = 2
+} proxima_guard;
 
 typedef struct proxima_render_options {
     double stiffness;    /* N/m; limited by the device, as all of these */
@@ -296,16 +331,19 @@ typedef struct proxima_render_options {
     double proxy_radius; /* m; 0: a point */
     double static_friction;
     double dynamic_friction;
-    int32_t guard; /* proxima_guard: whether walls are kept from giving more energy than they took */
+    int32_t
+        guard; /* proxima_guard: whether walls are kept from giving more energy than they took */
 } proxima_render_options;
 
 PROXIMA_C_API void proxima_render_options_default(proxima_render_options* options);
 
 /* Renders a scene for one device; up to 8 renderers touch a scene, each in a thread of its own. options may be
  * NULL. */
-PROXIMA_C_API proxima_status proxima_renderer_create(proxima_scene* scene, const proxima_workspace* workspace,
+PROXIMA_C_API proxima_status proxima_renderer_create(proxima_scene* scene,
+                                                     const proxima_workspace* workspace,
                                                      const proxima_device_limits* limits,
-                                                     const proxima_render_options* options, proxima_renderer** renderer);
+                                                     const proxima_render_options* options,
+                                                     proxima_renderer** renderer);
 PROXIMA_C_API void proxima_renderer_destroy(proxima_renderer* renderer);
 
 typedef struct proxima_contact {
@@ -322,9 +360,10 @@ typedef struct proxima_tick {
     double anchor[3]; /* what the spring pulls the device to */
     double normal[3]; /* of all contacts together; zero where nothing is touched */
     double depth;
-    int32_t holds;     /* 0: free, 1: sliding, 2: sticking */
-    int32_t is_placed; /* 0: the device began inside, or found no place: nothing is touched until it is out */
-    int32_t fault;     /* 0: none, 1: a position that is not finite, 2: a jump */
+    int32_t holds; /* 0: free, 1: sliding, 2: sticking */
+    int32_t
+        is_placed; /* 0: the device began inside, or found no place: nothing is touched until it is out */
+    int32_t fault; /* 0: none, 1: a position that is not finite, 2: a jump */
     uint32_t contact_count;
     proxima_contact contacts[3];
 } proxima_tick;
@@ -332,8 +371,10 @@ typedef struct proxima_tick {
 /* One tick of `seconds` with the device at `position` (m) and moving with `velocity` (m/s; may be NULL: none). Its
  * force goes to the device. Real-time safe, a few microseconds. A position that is not finite is no error: the force
  * fades. One thread. */
-PROXIMA_C_API proxima_status proxima_renderer_tick(proxima_renderer* renderer, const double position[3],
-                                                   const double velocity[3], double seconds, proxima_tick* tick);
+PROXIMA_C_API proxima_status proxima_renderer_tick(proxima_renderer* renderer,
+                                                   const double position[3],
+                                                   const double velocity[3], double seconds,
+                                                   proxima_tick* tick);
 /* Starts anew: the next tick places the proxy as the first one did. */
 PROXIMA_C_API proxima_status proxima_renderer_reset(proxima_renderer* renderer);
 
