@@ -38,9 +38,9 @@ namespace proxima::c {
 
 /// Keeps the message for proxima_error_message(), and gives the status.
 proxima_status failed(const Error& error) noexcept;
-/// The same for the exception that is being handled.
+/// Keeps a message for the exception that a handler has caught, and gives its status.
 proxima_status failed_by_exception() noexcept;
-/// The same for an argument that is out of its range.
+/// Keeps this message about an argument, and gives PROXIMA_INVALID_ARGUMENT.
 proxima_status refused(const char* message) noexcept;
 
 /// What `work` returns, or the status of what it throws.
