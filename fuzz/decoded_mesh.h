@@ -76,7 +76,7 @@ public:
     }
 
 private:
-    /// Of any sign and digits, between 2^-64 and 2^64.
+    /// A number of either sign, with any digits, whose size is between 2^-64 and 2^64.
     static double any_float(std::uint32_t bits) noexcept
     {
         const auto exponent = static_cast<int>(bits >> 23U & 127U) - 64;

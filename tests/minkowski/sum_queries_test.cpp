@@ -159,7 +159,7 @@ TEST(SumQueries, FlatUnboundedSumsEndInTwoRays)
         for (double y = -4; y <= 4; y += 0.5) {
             for (double x = -4; x <= 4; x += 0.5) {
                 SCOPED_TRACE(::testing::Message() << x << ' ' << y << ' ' << z);
-                // Of the points (t, -t) of the segment one is below and left.
+                // The segment has one point (t, -t) that is below and to the left.
                 const bool over = std::max(-1.0, -y) <= std::min(1.0, x);
                 const Vec3 p(x, y, z);
                 EXPECT_EQ(contains(sum, at + p), over && z == 0);

@@ -212,7 +212,7 @@ TEST(ToolRenderer, TicksEndAtTheirWork)
             cut += tick.end == ToolEnd::cut_short ? 1 : 0;
             ASSERT_FALSE(bench.meets()) << i;
         }
-        // What is begun is finished, such as two lists of 2,048 pairs.
+        // The tick finishes the lists that it has begun, here two of 2,048 pairs.
         if (most > 0) {
             EXPECT_LE(largest, most + 800);
         }
