@@ -36,7 +36,9 @@ def compile_alone(header, compiler, flags):
     with tempfile.TemporaryDirectory() as work:
         source = Path(work, "alone.cpp")
         source.write_text(2 * f"#include <{header}>\n")
-        language = ["-x", "c", "-std=c99", "-pedantic"] if header == FOR_C else []
+        language = []
+        if header == FOR_C:
+            language, flags = ["-x", "c", "-std=c99", "-pedantic"], [flag for flag in flags if not flag.startswith("-std=")]
         done = subprocess.run([compiler, *language, "-Wall", "-Wextra", "-Werror", "-fsyntax-only", *flags, source],
                               capture_output=True, text=True)
     return [] if done.returncode == 0 else [f"{header} does not compile alone:\n{done.stderr}"]
