@@ -1,12 +1,15 @@
 """Calls of the system and the heap that fail, and kills, at any moment of a command: it says so in one line or does its
 work, and files are the old or the new ones, whole.
 
-FAULTS_EACH says how many calls of a job are tried, a sample; 0 tries all of them, as `scripts/soak faults` does."""
+FAULTS_EACH says how many calls of a job are tried, a sample; 0 tries all of them, as `scripts/soak faults` does, and
+prints how each kind of fault ended, as rows of a Markdown table."""
+import collections
 import os
 import random
 import signal
 import subprocess
 import tempfile
+import time
 import unittest
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
@@ -62,6 +65,7 @@ class FaultTest(ProgramTest):
         return int((folder / "count").read_text()), [(folder / output).read_bytes() for output in JOBS[name][1]]
 
     def try_calls(self, call, action="fail"):
+        ended = collections.Counter()
         for name in JOBS:
             count, new = self.reference(name, call)
             self.assertGreater(count, 0)
@@ -71,12 +75,17 @@ class FaultTest(ProgramTest):
 
             def attempt(number, name=name, new=new):
                 folder = self.prepare(name)
-                return number, self.check(name, folder, self.run_job(name, folder, call, number, action), new)
+                result = self.run_job(name, folder, call, number, action)
+                return number, self.check(name, folder, result, new), result.returncode
 
             with ThreadPoolExecutor(os.cpu_count()) as pool:
-                for number, wrong in pool.map(attempt, numbers):
+                for number, wrong, status in pool.map(attempt, numbers):
+                    ended["wrong" if wrong else "done" if status == 0 else "said" if status > 0 else "killed"] += 1
                     with self.subTest(job=name, call=call, number=number, of=count, seed=SEED):
                         self.assertIsNone(wrong)
+        if EACH == 0:
+            columns = (ended.total(), *(ended[how] for how in ("said", "done", "killed", "wrong")))
+            print(f"| `{call}` {'fails' if action == 'fail' else 'is killed'} | {' | '.join(map(str, columns))} |", flush=True)
 
     def check(self, name, folder, result, new):
         """What is wrong, if anything."""
@@ -124,6 +133,29 @@ class Kills(FaultTest):
         for call in ("open", "write", "fsync", "close", "rename"):
             self.try_calls(call, "kill")
 
+    def test_at_random_moments(self):
+        """Of a command that replaces the same file again and again: what a power cut or an impatient user does."""
+        command = [PROXIMA, "index", "icosphere:4", "--lists", "--save", self.folder / "a.pxi", "--quiet"]
+        begin = time.monotonic()
+        subprocess.run(command, check=True)
+        seconds = time.monotonic() - begin
+        whole = (self.folder / "a.pxi").read_bytes()
+        ended = collections.Counter()
+        for _ in range(EACH or 1000):
+            (self.folder / "a.pxi").write_bytes(OLD)
+            process = subprocess.Popen(command)
+            time.sleep(self.random.uniform(0, 1.2 * seconds))
+            process.kill()
+            killed = process.wait() == -signal.SIGKILL
+            after = (self.folder / "a.pxi").read_bytes()
+            self.assertIn(after, (OLD, whole) if killed else (whole,), f"seed {SEED}")
+            ended["killed" if killed else "done"] += 1
+        subprocess.run(command, check=True)
+        self.assertEqual(list(self.folder.glob(".proxima-*")), [], "the last run clears up")
+        if EACH == 0:
+            columns = (ended.total(), 0, ended["done"], ended["killed"], 0)
+            print(f"| killed at a random moment of a save | {' | '.join(map(str, columns))} |", flush=True)
+
     def may_be_killed(self, folder, result):
         """By the shim; the next command that writes there clears up."""
         if result.returncode != -signal.SIGKILL:
@@ -170,4 +202,7 @@ class Streams(ProgramTest):
 
 
 if __name__ == "__main__":
+    if EACH == 0:
+        print("| Fault | Times | Ended with a line that says why | Did its work all the same | Killed, files whole | Wrong |")
+        print("|---|---:|---:|---:|---:|---:|", flush=True)
     unittest.main()

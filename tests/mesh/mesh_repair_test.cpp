@@ -173,7 +173,7 @@ private:
 
     void add(TriangleCorners corners, std::uint32_t truth)
     {
-        std::ranges::rotate(corners, corners.begin() + below(random_, 3));
+        std::rotate(corners.begin(), corners.begin() + below(random_, 3), corners.end());
         if (below(random_, 2) == 0) std::swap(corners[0], corners[1]);
         triangles_.push_back(corners);
         damaged_.triangle_truth.push_back(truth);
@@ -212,7 +212,7 @@ private:
 
 TriangleCorners lowest_first(TriangleCorners corners)
 {
-    std::ranges::rotate(corners, std::ranges::min_element(corners));
+    std::rotate(corners.begin(), std::ranges::min_element(corners), corners.end());
     return corners;
 }
 
