@@ -53,8 +53,8 @@ RayList::RayList(const OrbitCamera& camera, ViewSize size)
 Ray RayList::operator[](std::size_t number) const noexcept
 {
     if (!view_) return rays_[number];
-    const Vec2 pixel(static_cast<double>(number % width_) + 0.5,
-                     static_cast<double>(number / width_) + 0.5);
+    const std::size_t row = number / width_;
+    const Vec2 pixel(static_cast<double>(number % width_) + 0.5, static_cast<double>(row) + 0.5);
     return {view_->eye(), view_->direction(pixel).normalized()};
 }
 
