@@ -121,12 +121,12 @@ TEST(SelfTestDevices, ReportsFaultsOfDrivers)
 }
 
 /// A device at the other end of a socket, in step with ours: a state is sent before each tick, and the
-/// force of the reply acts after it.
+/// force of the reply acts after it. Time goes by ticks, so no packet is late however long the machine is busy elsewhere.
 class DeviceOverUdp final : public Device {
 public:
     explicit DeviceOverUdp(const HandModel& model)
         : hand_("hand", model, *find_device("omni")), socket_(*UdpSocket::listen({})),
-          device_(listening_device())
+          device_(*UdpDevice::open({.address = {}, .patience = hour, .forget_seconds = hour}))
     {}
     void follow(const SelfTest& test) noexcept { hand_.follow(test); }
     [[nodiscard]] const DeviceInfo& info() const noexcept override { return device_->info(); }
@@ -155,6 +155,8 @@ public:
     [[nodiscard]] std::uint64_t replies() const noexcept { return replies_; }
 
 private:
+    static constexpr double hour = 3600;
+
     SelfTestHand hand_;
     UdpSocket socket_;
     std::unique_ptr<UdpDevice> device_;
