@@ -1,6 +1,7 @@
 """What the manual names must be there: files, sections, commands, options, papers."""
 import re
 import sys
+import textwrap
 import unittest
 from pathlib import Path
 
@@ -28,6 +29,14 @@ def text_below(*folders):
 
 
 class Manual(unittest.TestCase):
+    def test_programs_beside_those_of_other_libraries_are_the_tested_ones(self):
+        tested = "\n".join(textwrap.dedent(re.sub(r"^    ", "", path.read_text(), flags=re.MULTILINE))
+                           for path in (ROOT / "tests/coming_from").glob("*.cpp"))
+        shown = re.findall(r"```cpp\n(.*?)```", (ROOT / "docs/coming_from.md").read_text(), re.DOTALL)
+        self.assertEqual(len(shown), 6)
+        for program in shown:
+            self.assertIn(program, tested)
+
     def test_paths_exist(self):
         missing = []
         for page in PAGES:
