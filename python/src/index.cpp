@@ -1,13 +1,11 @@
 #include "bindings.h"
 #include "index_methods.h"
+#include "pickled.h"
 #include "proxima/index_io.h"
 #include "proxima/mesh_index.h"
 #include "run.h"
 
-#include <cstdlib>
-#include <cstring>
 #include <filesystem>
-#include <memory>
 #include <optional>
 #include <pybind11/stl/filesystem.h>
 #include <string>
@@ -60,32 +58,6 @@ MeshIndex load(const std::filesystem::path& path, bool map, const py::object& pr
         return load_index(path, {.access = map ? FileAccess::map : FileAccess::read,
                                  .execution = {.progress = watched}});
     });
-}
-
-/// The bytes of the index's file, for pickle.
-py::bytes bytes_of_index(const MeshIndex& index)
-{
-    const py::object folder = py::module_::import("tempfile").attr("TemporaryDirectory")();
-    const py::object path =
-        py::module_::import("os").attr("path").attr("join")(folder.attr("name"), "pickled.pxi");
-    save(index, path.cast<std::filesystem::path>(), py::none());
-    const py::object file = py::module_::import("io").attr("FileIO")(path);
-    py::bytes bytes = file.attr("readall")();
-    file.attr("close")();
-    folder.attr("cleanup")();
-    return bytes;
-}
-
-MeshIndex index_of_bytes(const py::bytes& bytes)
-{
-    const std::string_view content = bytes;
-    constexpr std::size_t alignment = 128;
-    const std::size_t size = (content.size() + alignment - 1) / alignment * alignment;
-    const std::shared_ptr<void> storage(std::aligned_alloc(alignment, size), std::free);
-    if (storage == nullptr) throw std::bad_alloc();
-    std::memcpy(storage.get(), content.data(), content.size());
-    return value_of(load_index({static_cast<const std::byte*>(storage.get()), content.size()},
-                               storage, "pickled index"));
 }
 
 std::string represent(const MeshIndex& index)
@@ -178,7 +150,15 @@ or InvalidInput for a file that is damaged or none of ours.)")
         .def("__repr__", &represent)
         .def("__copy__", [](const py::object& self) { return self; })
         .def("__deepcopy__", [](const py::object& self, const py::dict&) { return self; })
-        .def(py::pickle(&bytes_of_index, &index_of_bytes));
+        .def(py::pickle(
+            [](const MeshIndex& self) {
+                return bytes_of_file(
+                    [&](const std::filesystem::path& path) { save(self, path, py::none()); });
+            },
+            [](const py::bytes& pickled) {
+                const FileBytes file = file_bytes_of(pickled);
+                return value_of(load_index(file.bytes, file.storage, "pickled index"));
+            }));
     bind_closest(index);
     bind_rays(index);
     bind_views(module, index);
