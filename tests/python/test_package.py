@@ -71,7 +71,7 @@ def test_the_wheel_works_elsewhere(tmp_path):
     assert re.fullmatch(r"proxima-[\d.]+-cp3\d+-cp3\d+-linux_\w+\.whl", name)
     with zipfile.ZipFile(tmp_path / name) as wheel:
         wheel.extractall(tmp_path / "site")
-    for name in ("_results.py", "py.typed", "_core.pyi", "_results.pyi"):
+    for name in ("_results.py", "py.typed", "_core.pyi", "_results.pyi", "compat/open3d.py"):
         assert (tmp_path / "site/proxima" / name).exists()
     answer = subprocess.run([sys.executable, "-c", "import proxima; print(proxima.__file__, proxima.Mesh.sample('cube'))"],
                             env={"PYTHONPATH": str(tmp_path / "site"), "PYTHONDONTWRITEBYTECODE": "1"}, cwd=tmp_path,

@@ -119,12 +119,15 @@ def test_dtypes_of_columns():
             assert ast.unparse(node.annotation) == f"NDArray[{column.dtype}]", field
 
 
-def mypy(path, code):
-    path.write_text(code)
-    done = subprocess.run([sys.executable, "-m", "mypy", "--strict", "--cache-dir", str(path.parent / "cache"), path.name],
-                          cwd=path.parent, env={"MYPYPATH": str(PACKAGE.parent), "PATH": "/usr/bin:/bin"}, capture_output=True,
-                          text=True)
+def mypy(folder, *what):
+    done = subprocess.run([sys.executable, "-m", "mypy", "--strict", "--cache-dir", str(folder / "cache"), *what], cwd=folder,
+                          env={"MYPYPATH": str(PACKAGE.parent), "PATH": "/usr/bin:/bin"}, capture_output=True, text=True)
     return done.returncode, done.stdout + done.stderr
+
+
+def test_the_package_has_right_types(tmp_path):
+    status, said = mypy(tmp_path, "-p", "proxima")
+    assert status == 0, said
 
 
 def test_mypy_takes_right_programs_and_no_wrong_ones(tmp_path):
@@ -148,9 +151,10 @@ try:
 except proxima.FileMissing as error:
     print(error.code, error.errno)
 """
-    status, said = mypy(tmp_path / "right.py", code)
+    (tmp_path / "right.py").write_text(code)
+    status, said = mypy(tmp_path, "right.py")
     assert status == 0, said
-    status, said = mypy(tmp_path / "wrong.py", """
+    (tmp_path / "wrong.py").write_text("""
 import proxima
 mesh = proxima.Mesh.sample("cube")
 index = proxima.Index(mesh, True)
@@ -160,4 +164,5 @@ proxima.Mesh.read(3)
 index.signed_distance([[0, 0, 0]], method=True).shape
 proxima.Topology(index)
 """)
+    said = mypy(tmp_path, "wrong.py")[1]
     assert [int(line) for line in re.findall(r"^wrong.py:(\d+): error", said, re.MULTILINE)] == [4, 5, 6, 7, 8, 9], said
