@@ -60,7 +60,9 @@ def against_open3d(mesh, index, points, rounds):
     name = f"Open3D {open3d.__version__}"
     print(f"\n{len(few)} of the points as float32, one thread each; the ratio is that of {name} to ours")
     print(f"{'':34}{name:>14}{'ours':>12}{'ratio':>8}")
-    for kind, mine in (("Index.closest", lambda: index.closest(few, columns=("point", "triangle"), threads=1)),
+    lists = index.with_lists()
+    for kind, mine in (("Index(mesh)", lambda: index.closest(few, columns=("point", "triangle"), threads=1)),
+                       ("Index(mesh, lists=True)", lambda: lists.closest(few, columns=("point", "triangle"), threads=1)),
                        ("compat.open3d, all columns", lambda: adapter.compute_closest_points(few, nthreads=1))):
         (their_time, our_time), ratio = median_times(rounds, lambda: scene.compute_closest_points(given, nthreads=1), mine)
         us = 1e-6 * len(few)
