@@ -33,6 +33,7 @@ from proxima.compat.trimesh import ProximityQuery
 mesh = proxima.Mesh.read("/tmp/mesh.off")
 index = proxima.Index(mesh, signs=True)
 print("from Python:", proxima.__file__, index.signed_distance([[0.1, 0.2, 0.3], [2, 0, 0]]))
+assert len(proxima.Mesh.read("/program/two_tetrahedra.glb").faces) == 8
 assert ProximityQuery(mesh).signed_distance([[0.1, 0.2, 0.3]])[0] > 0
 EOF
 
@@ -57,6 +58,7 @@ quietly cmake --build build
 quietly g++ main.cpp -o by_pkg_config $(pkg-config --cflags --libs proxima)
 for program in build/program ./by_pkg_config; do
   "$program" /tmp/mesh.off
+  "$program" two_tetrahedra.glb # by assimp, which the library opens now
   ldd "$program" | grep -q 'libproxima.so.0 => /lib' || { ldd "$program"; exit 1; }
 done
 echo "the README's program works, by CMake and by pkg-config"
