@@ -47,9 +47,10 @@ py::array neighbours_of(const MeshTopology& self)
     auto array = new_rows<std::int32_t>(self.topology.triangle_count(), 3);
     std::int32_t* to = array.mutable_data();
     for (std::uint32_t triangle = 0; triangle < self.topology.triangle_count(); ++triangle) {
-        for (int side = 0; side < 3; ++side)
-            *to++ = static_cast<std::int32_t>(
-                to_index(self.topology.across(TriangleId{triangle}, side)));
+        for (int side = 0; side < 3; ++side) {
+            const TriangleId other = self.topology.across(TriangleId{triangle}, side);
+            *to++ = static_cast<std::int32_t>(to_index(other));
+        }
     }
     return array;
 }
