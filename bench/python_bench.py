@@ -1,4 +1,5 @@
-"""What the Python module adds to the C++ library: processor time of both in one process, one thread, taking turns.
+"""What the Python module adds to the C++ library: processor time of both in one process, one thread, taking turns. Where
+python3-open3d is installed, also the closest points of its RaycastingScene on the same mesh.
 
     python_bench.py C++_SIDE [--mesh FILE] [--points N] [--rounds N]
 """
@@ -13,6 +14,7 @@ from pathlib import Path
 import numpy as np
 
 import proxima
+from proxima.compat.open3d import RaycastingScene
 
 
 def median_times(rounds, *sides):
@@ -33,6 +35,41 @@ def cpu_of(code, runs=9):
     program = f"import numpy, time\nbegin = time.process_time()\n{code}\nprint(time.process_time() - begin)"
     return 1e3 * statistics.median(float(subprocess.run([sys.executable, "-c", program], check=True, capture_output=True,
                                                         text=True).stdout) for _ in range(runs))
+
+
+def against_open3d(mesh, index, points, rounds):
+    """Processor time of closest points and triangles, one thread each, floats in for both."""
+    try:
+        import open3d
+    except ImportError:
+        print("closest points of Open3D: python3-open3d is not installed")
+        return
+    tensor = open3d.core.Tensor
+    scene = open3d.t.geometry.RaycastingScene(nthreads=1)
+    scene.add_triangles(tensor(np.asarray(mesh.vertices, "f4")), tensor(np.asarray(mesh.faces)))
+    adapter = RaycastingScene()
+    adapter.add_triangles(mesh)
+    lists = index.with_lists()
+    random = np.random.default_rng(2)
+    near = np.asarray(mesh.vertices)[random.integers(len(mesh.vertices), size=20_000)]
+    near = near + 0.01 * np.ptp(mesh.bounds, axis=0).max() * random.uniform(-1, 1, near.shape)
+    name = f"Open3D {open3d.__version__}"
+    print(f"\nclosest points and triangles of 20000 points as float32, one thread each; the ratio is that of {name} to ours")
+    print(f"{'':46}{name:>14}{'ours':>12}{'ratio':>8}")
+    for where, some in (("in the box", points[:20_000]), ("near the surface", near)):
+        given = some.astype("f4")
+        theirs = scene.compute_closest_points(tensor(given), nthreads=1)["points"].numpy()
+        ours = index.closest(given, columns=("point",), threads=1).point
+        far = np.abs(np.linalg.norm(given - ours, axis=1) - np.linalg.norm(given - theirs, axis=1)).max()
+        if far > 1e-5 * np.ptp(mesh.bounds):
+            sys.exit(f"the distances of Open3D differ by {far}")
+        for kind, mine in (("Index(mesh)", lambda: index.closest(given, columns=("point", "triangle"), threads=1)),
+                           ("Index(mesh, lists=True)", lambda: lists.closest(given, columns=("point", "triangle"), threads=1)),
+                           ("compat.open3d", lambda: adapter.compute_closest_points(given, nthreads=1))):
+            (their_time, our_time), ratio = median_times(
+                rounds, lambda: scene.compute_closest_points(tensor(given), nthreads=1), mine)
+            us = 1e-6 * len(given)
+            print(f"{f'{where}, {kind}':46}{their_time / us:11.3f} us{our_time / us:9.3f} us{ratio:8.1f}")
 
 
 def main():
@@ -99,6 +136,7 @@ def main():
     print(f"the module has {size / 1e6:.2f} MB")
     if not np.array_equal(np.sqrt(squared), ids.distance) or not np.array_equal(triangles, whole.triangle):
         sys.exit("the answers differ")
+    against_open3d(mesh, index, points, options.rounds)
 
 
 if __name__ == "__main__":

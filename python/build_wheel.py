@@ -53,15 +53,25 @@ def metadata():
             "Requires-Python: >=3.9\nRequires-Dist: numpy\nDescription-Content-Type: text/markdown\n\n" + readme)
 
 
+def write_info(folder):
+    """What a wheel says about itself. Gives its folder's name."""
+    info = Path(folder, f"proxima-{version()}.dist-info")
+    info.mkdir()
+    (info / "METADATA").write_text(metadata())
+    (info / "WHEEL").write_text(f"Wheel-Version: 1.0\nGenerator: proxima\nRoot-Is-Purelib: false\nTag: {tag()}\n")
+    (info / "LICENSE").write_text((ROOT / "LICENSE").read_text())
+    return info.name
+
+
+def prepare_metadata_for_build_wheel(metadata_directory, config_settings=None):
+    return write_info(metadata_directory)
+
+
 def build_wheel(wheel_directory, config_settings=None, metadata_directory=None):
     name = f"proxima-{version()}-{tag()}.whl"
     with tempfile.TemporaryDirectory() as work:
         cmake("--install", built(config_settings or {}), "--prefix", work, "--component", "python", "--strip")
-        info = Path(work, f"proxima-{version()}.dist-info")
-        info.mkdir()
-        (info / "METADATA").write_text(metadata())
-        (info / "WHEEL").write_text(f"Wheel-Version: 1.0\nGenerator: proxima\nRoot-Is-Purelib: false\nTag: {tag()}\n")
-        (info / "LICENSE").write_text((ROOT / "LICENSE").read_text())
+        write_info(work)
         with WheelFile(str(Path(wheel_directory, name)), "w") as wheel:
             wheel.write_files(work)
     return name

@@ -48,4 +48,5 @@ def main():
         print("| " + " | ".join(cell.replace("|", "\\|") for cell in cells) + " |")
 
 
-main()
+if __name__ == "__main__":
+    main()

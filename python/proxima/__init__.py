@@ -13,13 +13,13 @@ Ids of triangles, vertices and edges are int32, -1 for none. Lengths are in the 
 float64 in any memory order. Answers are the same for every number of threads and every instruction set.
 """
 from ._core import (Cancelled, ClosestOne, Error, FileMissing, FileNotWritable, Index, InvalidInput, LimitExceeded, Mesh,
-                    MinkowskiSum, Octree, Polyhedron, __version__, minkowski_sum, orthographic, perspective, separation)
+                    MinkowskiSum, Octree, Polyhedron, Topology, __version__, minkowski_sum, orthographic, perspective, separation)
 from ._results import (CELL_KINDS, FEATURE_KINDS, SIGN_METHODS, Closest, Distances, Facets, HitLists, Hits, Leaves,
-                       Neighbours, PairLists, Pairs, SumDistances)
+                       Neighbours, PairLists, Pairs, Patches, SumDistances)
 
 __all__ = [
-    "Mesh", "Index", "Octree", "Polyhedron", "MinkowskiSum", "minkowski_sum", "separation", "perspective", "orthographic",
-    "Closest", "ClosestOne", "Hits", "HitLists", "Pairs", "PairLists", "Distances", "Neighbours", "Leaves", "Facets",
+    "Mesh", "Index", "Topology", "Octree", "Polyhedron", "MinkowskiSum", "minkowski_sum", "separation", "perspective", "orthographic",
+    "Closest", "ClosestOne", "Hits", "HitLists", "Pairs", "PairLists", "Distances", "Neighbours", "Patches", "Leaves", "Facets",
     "SumDistances", "FEATURE_KINDS", "SIGN_METHODS", "CELL_KINDS",
     "Error", "InvalidInput", "FileMissing", "FileNotWritable", "LimitExceeded", "Cancelled", "__version__",
 ]

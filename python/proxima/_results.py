@@ -69,6 +69,10 @@ Neighbours = _result(
     "Neighbours", "The triangles near n points, those of each ascending.",
     first=_FIRST, triangle="(m,) int32")
 
+Patches = _result(
+    "Patches", "Triangles round n features, those of each ring by ring, ascending within a ring.",
+    first=_FIRST, triangle="(m,) int32", ring="(m,) int32: 0 for the triangles that have the feature")
+
 Leaves = _result(
     "Leaves", "The n leaves of an octree in Morton order.",
     key="(n,) uint64: 1, then three bits (z, y, x) for each level",

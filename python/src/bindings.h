@@ -10,6 +10,7 @@ namespace py = pybind11;
 void bind_mesh(py::module_& module);
 void bind_index(py::module_& module);
 void bind_closest_one(py::module_& module);
+void bind_topology(py::module_& module);
 void bind_octree(py::module_& module);
 void bind_minkowski(py::module_& module);
 

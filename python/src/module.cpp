@@ -12,6 +12,7 @@ PYBIND11_MODULE(_core, module)
     bind_mesh(module);
     bind_index(module);
     bind_closest_one(module);
+    bind_topology(module);
     bind_octree(module);
     bind_minkowski(module);
 }

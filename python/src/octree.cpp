@@ -1,6 +1,7 @@
 #include "proxima/octree.h"
 #include "arrays.h"
 #include "bindings.h"
+#include "pickled.h"
 #include "proxima/octree_io.h"
 #include "run.h"
 
@@ -117,6 +118,13 @@ py::object leaves_of(const Octree& octree)
     return result_type("Leaves")(keys, depths, kinds, lower, upper, first, triangles);
 }
 
+void save(const Octree& octree, const std::filesystem::path& path, const py::object& progress)
+{
+    run(progress, Duration::lengthy, [&](Progress* watched) {
+        return save_octree(octree, path, {.execution = {.progress = watched}});
+    });
+}
+
 std::string represent(const Octree& octree)
 {
     const OctreeStatistics counts = octree_statistics(octree);
@@ -149,15 +157,8 @@ Raises InvalidInput for a mesh without triangles or with NaN, LimitExceeded wher
         .def_property_readonly(
             "statistics", &statistics_of,
             "Counts of cells and lists, as `proxima octree` prints them: a dict.")
-        .def(
-            "save",
-            [](const Octree& self, const std::filesystem::path& path, const py::object& progress) {
-                run(progress, Duration::lengthy, [&](Progress* watched) {
-                    return save_octree(self, path, {.execution = {.progress = watched}});
-                });
-            },
-            py::arg("path"), py::kw_only(), py::arg("progress") = py::none(),
-            "Writes a .pxo file, whole or not at all.")
+        .def("save", &save, py::arg("path"), py::kw_only(), py::arg("progress") = py::none(),
+             "Writes a .pxo file, whole or not at all.")
         .def_static(
             "load",
             [](const std::filesystem::path& path, const py::object& progress) {
@@ -179,7 +180,16 @@ Raises InvalidInput for a mesh without triangles or with NaN, LimitExceeded wher
             "Writes .vtu, .htg, .ply or .glb for other programs. `mesh` is the octree's own.")
         .def("__repr__", &represent)
         .def("__copy__", [](const py::object& self) { return self; })
-        .def("__deepcopy__", [](const py::object& self, const py::dict&) { return self; });
+        .def("__deepcopy__", [](const py::object& self, const py::dict&) { return self; })
+        .def(py::pickle(
+            [](const Octree& self) {
+                return bytes_of_file(
+                    [&](const std::filesystem::path& path) { save(self, path, py::none()); });
+            },
+            [](const py::bytes& pickled) {
+                const FileBytes file = file_bytes_of(pickled);
+                return value_of(load_octree(file.bytes, file.storage, "pickled octree"));
+            }));
 }
 
 } // namespace proxima::python

@@ -1,6 +1,5 @@
 #include "base/parallel.h"
 
-#include <algorithm>
 #include <optional>
 #include <tbb/global_control.h>
 #include <tbb/info.h>
@@ -73,13 +72,6 @@ void parallel_for(std::size_t count, Threads allowed, FunctionRef<void(std::size
     arena.execute(
         [&] { tbb::parallel_for(std::size_t{0}, count, task, tbb::simple_partitioner()); });
     acquire(&join_flag);
-}
-
-void parallel_chunks(std::size_t count, std::size_t chunk, Threads threads,
-                     FunctionRef<void(std::size_t first, std::size_t end)> body)
-{
-    parallel_for(chunk_count(count, chunk), threads,
-                 [&](std::size_t i) { body(i * chunk, std::min(count, (i + 1) * chunk)); });
 }
 
 } // namespace proxima

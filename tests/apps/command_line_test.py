@@ -3,10 +3,12 @@ import json
 import os
 import pathlib
 import pty
+import re
 import shutil
 import struct
 import subprocess
 import sys
+import tempfile
 import unittest
 import zlib
 
@@ -99,6 +101,33 @@ class Octree(ProgramTest):
         made = subprocess.run([sys.executable, root / "scripts/option_table.py", PROXIMA], check=True, capture_output=True,
                               text=True, env=environment_of_program()).stdout
         self.assertEqual((root / "docs/options.md").read_text(), made, "run scripts/option_table.py PROGRAM > docs/options.md")
+
+    def test_the_manual_and_the_completion_have_all_commands_and_options(self):
+        root = pathlib.Path(__file__).resolve().parents[2]
+        with tempfile.TemporaryDirectory() as folder:
+            subprocess.run([sys.executable, "-B", root / "scripts/manual.py", PROXIMA, folder], check=True, env=environment_of_program())
+            pages = {path.stem: path.read_text() for path in pathlib.Path(folder).glob("*.1")}
+            rows = [re.split(r"(?<!\\)\|", line) for line in (root / "docs/options.md").read_text().splitlines() if line.startswith("| `-")]
+            commands = {name.removeprefix("proxima-") for name in pages} - {"proxima"}
+            self.assertGreater(len(commands), 14)
+            for _, name, _, users, *_ in rows:
+                for command in commands if users.strip() == "all" else users.strip().split(", "):
+                    self.assertIn("\\fB" + name.strip(" `").replace("-", "\\-") + "\\fR", pages[f"proxima-{command}"])
+            for command in commands:
+                self.assertIn(f"proxima\\-{command}(1)", pages["proxima"])
+            if shutil.which("groff"):
+                said = subprocess.run(["groff", "-man", "-Tutf8", "-ww", *pathlib.Path(folder).glob("*.1")], check=True,
+                                      capture_output=True, text=True).stderr
+                self.assertEqual(said, "")
+
+            def completed(*words):
+                code = f'source {folder}/proxima.bash; COMP_WORDS=("$@"); COMP_CWORD=$(($# - 1)); _proxima; echo "${{COMPREPLY[@]}}"'
+                return subprocess.run(["bash", "-c", code, "bash", *words], check=True, capture_output=True, text=True).stdout.split()
+
+            self.assertEqual(completed("proxima", "oc"), ["octree"])
+            self.assertEqual(completed("proxima", "touch", "cube", "--gu"), ["--guard"])
+            self.assertEqual(completed("proxima", "touch", "cube", "--guard", ""), ["off", "observe", "on"])
+            self.assertEqual(completed("proxima", "cull", "--guard", ""), [])  # files
 
     def test_a_threshold_that_makes_a_build_large_is_told(self):
         words = "--threshold 1 splits round edges"

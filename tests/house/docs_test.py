@@ -91,7 +91,7 @@ class Manual(unittest.TestCase):
     def test_options_exist(self):
         # Options of CMake, of Google Benchmark and of scripts/check are not the program's.
         foreign = {"--benchmark", "--build", "--install", "--prefix", "--preset", "--target", "--workflow", "--cflags", "--libs", "--changed", "--wheel",
-                   "--no-isolation", "--system-site-packages", "--no-index", "--no-deps"}
+                   "--no-isolation", "--system-site-packages", "--no-index", "--no-deps", "--no-build-isolation"}
         code = text_below("apps", "bench") + "".join(path.read_text() for path in (ROOT / "scripts").glob("*")
                                                      if path.is_file())
         missing = sorted({f"{page.name}: {option}" for page in PAGES

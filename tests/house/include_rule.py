@@ -32,6 +32,8 @@ PROGRAM = "apps/cli/main.cpp"
 # Foreign headers (first part of the path) and the layers that may name them; None: all layers.
 FOREIGN = {"Eigen": None, "hwy": {"base"}, "tl": None, "xxhash.h": None, "sys": None, "netinet": {"base"},
            "sanitizer": {"base"}, "tbb": {"base"}, "oneapi": {"base"}, "assimp": {"mesh"}}
+THREAD_LIBRARY = {"tbb", "oneapi"}
+THREADS = "src/base/parallel.cpp"
 FOREIGN_TO_ALL_BUT_APPS = {"CLI", "fmt", "nlohmann", "png.h", "GLFW", "epoxy", "imgui.h", "pybind11", "gtest"}
 
 # Public headers and the layer that implements them.
@@ -111,6 +113,8 @@ def foreign_problem(name, source):
         return None
     if layer == "apps":
         return None if first != "hwy" else f"<{name}> is for base and kernels only"
+    if first in THREAD_LIBRARY and source.as_posix() != THREADS:
+        return f"<{name}> is for {THREADS} only"
     if first in FOREIGN_TO_ALL_BUT_APPS:
         return f"<{name}> is for apps only"
     if first in FOREIGN:

@@ -69,7 +69,8 @@ class IncludeRule(unittest.TestCase):
         self.check("src/mesh/wrong.h", "#  include <base/parallel.h>\n", "our own")
 
     def test_catches_foreign_headers_out_of_place(self):
-        self.check("src/mesh/wrong.h", "#include <tbb/parallel_for.h>\n", "for base only")
+        self.check("src/mesh/wrong.h", "#include <tbb/parallel_for.h>\n", "for src/base/parallel.cpp only")
+        self.check("src/base/wrong.cpp", "#include <oneapi/tbb.h>\n", "for src/base/parallel.cpp only")
         self.check("src/mesh/wrong.h", "#include <fmt/format.h>\n", "for apps only")
         self.check("src/mesh/wrong.h", "#include <boost/array.hpp>\n", "no library the core may use")
 

@@ -1,4 +1,5 @@
 import gc
+import pickle
 
 import numpy as np
 import pytest
@@ -51,6 +52,17 @@ def test_files(tmp_path, mesh):
     assert all(np.array_equal(a, b) for a, b in zip(other.leaves(), expected))
     with pytest.raises(proxima.FileMissing):
         proxima.Octree.load(tmp_path / "none.pxo")
+
+
+def test_pickles(mesh):
+    octree = proxima.Octree(mesh, max_depth=4)
+    other = pickle.loads(pickle.dumps(octree))
+    assert all(np.array_equal(a, b) for a, b in zip(other.leaves(), octree.leaves()))
+    assert other.statistics == octree.statistics and pickle.dumps(other) == pickle.dumps(octree)
+    call, arguments, state = octree.__reduce_ex__(2)[:3]
+    damaged = call(*arguments)
+    with pytest.raises(proxima.InvalidInput, match="pickled octree"):
+        damaged.__setstate__(state[:-40])
 
 
 def test_refuses_wrong_options(mesh):

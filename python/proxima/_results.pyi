@@ -1,0 +1,80 @@
+from typing import Any, NamedTuple
+
+from numpy import bool_, float64, int32, int64, uint8, uint64
+from numpy.typing import NDArray
+
+FEATURE_KINDS: tuple[str, str, str]
+SIGN_METHODS: tuple[str, str, str]
+CELL_KINDS: tuple[str, str, str, str]
+
+class Closest(NamedTuple):
+    distance: NDArray[float64]
+    point: NDArray[float64]
+    triangle: NDArray[int32]
+    feature_kind: NDArray[uint8]
+    feature: NDArray[int32]
+    barycentric: NDArray[float64]
+
+class Hits(NamedTuple):
+    t: NDArray[float64]
+    triangle: NDArray[int32]
+    u: NDArray[float64]
+    v: NDArray[float64]
+    @property
+    def hit(self) -> NDArray[bool_]: ...
+
+class HitLists(NamedTuple):
+    first: NDArray[int64]
+    t: NDArray[float64]
+    triangle: NDArray[int32]
+    u: NDArray[float64]
+    v: NDArray[float64]
+
+class Pairs(NamedTuple):
+    a: NDArray[int32]
+    b: NDArray[int32]
+    @property
+    def intersecting(self) -> bool: ...
+
+class PairLists(NamedTuple):
+    first: NDArray[int64]
+    a: NDArray[int32]
+    b: NDArray[int32]
+    @property
+    def intersecting(self) -> NDArray[bool_]: ...
+
+# One pose gives single values, several give arrays.
+class Distances(NamedTuple):
+    distance: Any
+    point_a: NDArray[float64]
+    point_b: NDArray[float64]
+    triangle_a: Any
+    triangle_b: Any
+
+class Neighbours(NamedTuple):
+    first: NDArray[int64]
+    triangle: NDArray[int32]
+
+class Patches(NamedTuple):
+    first: NDArray[int64]
+    triangle: NDArray[int32]
+    ring: NDArray[int32]
+
+class Leaves(NamedTuple):
+    key: NDArray[uint64]
+    depth: NDArray[uint8]
+    kind: NDArray[uint8]
+    lower: NDArray[float64]
+    upper: NDArray[float64]
+    first: NDArray[int64]
+    triangle: NDArray[int32]
+
+class Facets(NamedTuple):
+    first: NDArray[int64]
+    vertex: NDArray[int32]
+
+class SumDistances(NamedTuple):
+    distance: NDArray[float64]
+    nearest: NDArray[float64]
+    direction: NDArray[float64]
+    facet: NDArray[int32]

@@ -1,0 +1,167 @@
+"""Open3D's RaycastingScene.
+
+    from proxima.compat.open3d import RaycastingScene
+
+    scene = RaycastingScene()
+    scene.add_triangles(mesh)                        # an open3d.t.geometry.TriangleMesh, or vertices and triangles
+    answer = scene.cast_rays(rays)                   # t_hit, geometry_ids, primitive_ids, primitive_uvs, primitive_normals
+    distance = scene.compute_signed_distance(points)
+
+As in Open3D, answers are float32 and uint32 in the shape of the queries, misses have t_hit inf and INVALID_ID, and
+distances are negative inside. Tensors are answered by tensors and arrays by arrays; float64 in is not rounded before it is
+used. Unlike there, signs and occupancy do not come from one ray, which may run along an edge, but from the winding number;
+meshes that run clockwise are turned for it. NaN, and rays whose direction is zero, are errors. A hit on an edge counts for
+each of its triangles.
+"""
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any, Callable, Optional
+
+import numpy as np
+
+from .. import Closest, Index, InvalidInput, Mesh
+from . import mesh_of
+
+if TYPE_CHECKING:
+    from numpy.typing import ArrayLike, NDArray
+
+
+class RaycastingScene:
+    """Rays and closest points of one or several meshes: open3d.t.geometry.RaycastingScene."""
+
+    INVALID_ID = 0xFFFFFFFF
+
+    def __init__(self, nthreads: int = 0) -> None:
+        self._threads = nthreads
+        self._vertices: list[NDArray[np.float64]] = []
+        self._faces: list[NDArray[np.int64]] = []
+        self._built: Optional[Index] = None
+        self._built_signs: Optional[Index] = None
+
+    def add_triangles(self, mesh: Any, triangle_indices: Optional[ArrayLike] = None) -> int:
+        """Adds a mesh, or vertices (N, 3) and triangles (M, 3). Returns the geometry's id: 0, 1, 2 and so on."""
+        if triangle_indices is not None:
+            own = Mesh(_array(mesh), _array(triangle_indices))
+        elif hasattr(mesh, "triangle"):
+            own = Mesh(_array(mesh.vertex["positions"]), _array(mesh.triangle["indices"]))
+        else:
+            own = mesh_of(mesh)
+        self._vertices.append(np.asarray(own.vertices))
+        self._faces.append(np.asarray(own.faces, np.int64))
+        self._built = self._built_signs = None
+        return len(self._faces) - 1
+
+    def cast_rays(self, rays: Any, nthreads: int = 0) -> dict[str, Any]:
+        """The first hits of rays {.., 6}: ox, oy, oz, dx, dy, dz."""
+        shape, origins, directions = _rays(rays)
+        hits = self._index().cast(origins, directions, threads=nthreads)
+        return self._answer(_like(rays, shape), hits, t_hit=hits.t)
+
+    def test_occlusions(self, rays: Any, tnear: float = 0.0, tfar: float = float("inf"), nthreads: int = 0) -> Any:
+        """{..} bool: whether rays hit between tnear and tfar."""
+        shape, origins, directions = _rays(rays)
+        hit = self._index().cast(origins, directions, t_min=tnear, t_max=tfar, hits="any", threads=nthreads)
+        return _like(rays, shape)(hit)
+
+    def count_intersections(self, rays: Any, nthreads: int = 0) -> Any:
+        """{..} int32: how many triangles rays hit."""
+        shape, origins, directions = _rays(rays)
+        lists = self._index().cast(origins, directions, hits="all", threads=nthreads)
+        return _like(rays, shape)(np.diff(lists.first).astype(np.int32))
+
+    def compute_closest_points(self, query_points: Any, nthreads: int = 0) -> dict[str, Any]:
+        """The closest points of points {.., 3}: points, geometry_ids, primitive_ids, primitive_uvs, primitive_normals."""
+        shape, points = _rows(query_points, 3, "query_points")
+        closest = self._index().closest(points, columns=("point", "triangle", "barycentric"), threads=nthreads)
+        return self._answer(_like(query_points, shape), closest, points=closest.point)
+
+    def compute_distance(self, query_points: Any, nthreads: int = 0) -> Any:
+        """{..} float32: distances of points {.., 3}."""
+        shape, points = _rows(query_points, 3, "query_points")
+        closest = self._index().closest(points, columns=("distance",), threads=nthreads)
+        return _like(query_points, shape)(closest.distance.astype(np.float32))
+
+    def compute_signed_distance(self, query_points: Any, nthreads: int = 0) -> Any:
+        """{..} float32: distances of points {.., 3}, negative inside."""
+        shape, points = _rows(query_points, 3, "query_points")
+        return _like(query_points, shape)(self._signs().signed_distance(points, threads=nthreads).astype(np.float32))
+
+    def compute_occupancy(self, query_points: Any, nthreads: int = 0) -> Any:
+        """{..} float32: 1 where points {.., 3} are inside, else 0."""
+        shape, points = _rows(query_points, 3, "query_points")
+        inside = self._signs().signed_distance(points, threads=nthreads) < 0
+        return _like(query_points, shape)(inside.astype(np.float32))
+
+    def _mesh(self, faces: list[NDArray[np.int64]]) -> Mesh:
+        if not faces:
+            raise InvalidInput("the scene has no triangles: call add_triangles() first")
+        begins = np.cumsum([0] + [len(vertices) for vertices in self._vertices])
+        return Mesh(np.concatenate(self._vertices), np.concatenate([own + begin for own, begin in zip(faces, begins)]))
+
+    def _index(self) -> Index:
+        if self._built is None:
+            self._built = Index(self._mesh(self._faces), threads=self._threads)
+        return self._built
+
+    def _signs(self) -> Index:
+        if self._built_signs is None:
+            clockwise = [_volume(vertices, faces) < 0 for vertices, faces in zip(self._vertices, self._faces)]
+            if any(clockwise):
+                turned = [faces[:, ::-1] if turn else faces for faces, turn in zip(self._faces, clockwise)]
+                self._built_signs = Index(self._mesh(turned), signs=True, threads=self._threads)
+            else:
+                self._built = self._built_signs = self._index().with_signs(threads=self._threads)
+        return self._built_signs
+
+    def _answer(self, like: Callable[[NDArray[Any]], Any], found: Any, **first: NDArray[np.float64]) -> dict[str, Any]:
+        """The dictionary of an answer: ids within each geometry, u and v, and normals of length 1."""
+        triangle = found.triangle.astype(np.int64)
+        hit = triangle >= 0
+        begins = np.cumsum([0] + [len(faces) for faces in self._faces])
+        geometry = np.searchsorted(begins, triangle, side="right") - 1
+        columns = found.barycentric[:, 1:] if isinstance(found, Closest) else np.column_stack((found.u, found.v))
+        corners = np.empty((len(triangle), 3, 3))
+        for number, (vertices, faces) in enumerate(zip(self._vertices, self._faces)):
+            own = hit & (geometry == number)
+            corners[own] = vertices[faces[triangle[own] - begins[number]]]
+        corners[~hit] = 0
+        normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+        length = np.linalg.norm(normal, axis=1, keepdims=True)
+        answer = {name: like(column.astype(np.float32)) for name, column in first.items()}
+        answer["geometry_ids"] = like(np.where(hit, geometry, self.INVALID_ID).astype(np.uint32))
+        answer["primitive_ids"] = like(np.where(hit, triangle - begins[geometry], self.INVALID_ID).astype(np.uint32))
+        answer["primitive_uvs"] = like(np.where(hit[:, None], columns, 0).astype(np.float32))
+        answer["primitive_normals"] = like(np.divide(normal, length, out=np.zeros_like(normal), where=length > 0).astype(np.float32))
+        return answer
+
+
+def _array(given: Any) -> NDArray[Any]:
+    """The array of a tensor or of what NumPy takes."""
+    return np.asarray(given.numpy() if hasattr(given, "numpy") else given)
+
+
+def _rows(given: Any, columns: int, name: str) -> tuple[tuple[int, ...], NDArray[Any]]:
+    """The shape before the last dimension, and all as rows."""
+    array = _array(given)
+    if array.ndim < 2 or array.shape[-1] != columns:
+        raise InvalidInput(f"{name}: must have shape (.., {columns}), has {array.shape}")
+    return array.shape[:-1], array.reshape(-1, columns)
+
+
+def _rays(rays: Any) -> tuple[tuple[int, ...], NDArray[Any], NDArray[Any]]:
+    shape, rows = _rows(rays, 6, "rays")
+    return shape, rows[:, :3], rows[:, 3:]
+
+
+def _like(given: Any, shape: tuple[int, ...]) -> Callable[[NDArray[Any]], Any]:
+    """Makes rows the answer to `given`: in its shape, a tensor if it is one."""
+    def answer(rows: NDArray[Any]) -> Any:
+        array = rows.reshape(shape + rows.shape[1:])
+        return type(given).from_numpy(array) if hasattr(given, "numpy") else array
+    return answer
+
+
+def _volume(vertices: NDArray[np.float64], faces: NDArray[np.int64]) -> float:
+    """Six times the volume inside, below 0 where faces run clockwise."""
+    a, b, c = np.moveaxis(vertices[faces] - vertices[faces[0, 0]], 1, 0)
+    return float(np.einsum("ij,ij->", a, np.cross(b, c)))

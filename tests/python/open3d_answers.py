@@ -1,0 +1,86 @@
+"""Asks Open3D's RaycastingScene what tests/python/test_compat.py asks the adapter, and prints the answers as JSON.
+
+    python3 tests/python/open3d_answers.py > tests/python/open3d.json        needs python3-open3d, libembree-dev and cc
+
+Every ray of Debian's Open3D 0.16 misses: it leaves the mask of rays at 0, and Debian's Embree heeds masks. A library that
+is loaded before Embree sets the mask here.
+"""
+import json
+import os
+import subprocess
+import sys
+import tempfile
+from pathlib import Path
+
+import numpy as np
+
+MASK = """
+#include <dlfcn.h>
+#include <embree3/rtcore.h>
+#define WITH_MASK(NAME, TYPE, MASK) \\
+    void NAME(RTCScene scene, struct RTCIntersectContext* context, struct TYPE* rays, unsigned count, size_t stride) \\
+    { \\
+        void (*real)(RTCScene, struct RTCIntersectContext*, struct TYPE*, unsigned, size_t) = \\
+            dlsym(dlopen("libembree3.so.3", RTLD_NOW), #NAME); \\
+        for (unsigned i = 0; i < count; ++i) ((struct TYPE*)((char*)rays + i * stride))->MASK = -1; \\
+        real(scene, context, rays, count, stride); \\
+    }
+WITH_MASK(rtcIntersect1M, RTCRayHit, ray.mask)
+WITH_MASK(rtcOccluded1M, RTCRay, mask)
+"""
+
+
+def scene_arrays():
+    """Two meshes, and rays and points that come near no edge: Open3D counts in floats."""
+    import proxima
+
+    torus, ball = proxima.Mesh.sample("torus:24x12"), proxima.Mesh.sample("icosphere:2")
+    meshes = [(np.array(torus.vertices, "f4"), np.array(torus.faces, "u4")),
+              (np.array(ball.vertices, "f4") / 2 + np.array([0, 0, 4], "f4"), np.array(ball.faces, "u4"))]
+    random = np.random.default_rng(17)
+    origins = random.normal(size=(12, 5, 3)) * 4
+    targets = random.uniform([-1.2, -1.2, -0.5], [1.2, 1.2, 4.5], (12, 5, 3))
+    rays = np.concatenate((origins, targets - origins), axis=2).astype("f4")
+    return meshes, rays, random.uniform([-1.5, -1.5, -0.5], [1.5, 1.5, 4.5], (10, 6, 3)).astype("f4")
+
+
+def ask(scene, meshes, wrap, unwrap):
+    """All answers of a scene by name, as arrays."""
+    _, rays, points = scene_arrays()
+    answers = {"add_triangles": np.array([scene.add_triangles(*arrays) for arrays in meshes])}
+    answers.update({f"cast_rays.{name}": unwrap(column) for name, column in scene.cast_rays(wrap(rays)).items()})
+    answers.update({f"closest.{name}": unwrap(column)
+                    for name, column in scene.compute_closest_points(wrap(points)).items()})
+    answers["test_occlusions"] = unwrap(scene.test_occlusions(wrap(rays), 0.2, 0.9))
+    answers["count_intersections"] = unwrap(scene.count_intersections(wrap(rays)))
+    for name in ("compute_distance", "compute_signed_distance", "compute_occupancy"):
+        answers[name] = unwrap(getattr(scene, name)(wrap(points)))
+    return answers
+
+
+def of_json(text):
+    """The arrays that main() printed."""
+    return {name: np.array([np.inf if value is None else value for value in column["values"]], column["dtype"])
+            .reshape(column["shape"]) for name, column in json.loads(text).items()}
+
+
+def main():
+    if "LD_PRELOAD" not in os.environ:
+        with tempfile.TemporaryDirectory() as folder:
+            source, library = Path(folder, "mask.c"), Path(folder, "mask.so")
+            source.write_text(MASK)
+            subprocess.run(["cc", "-shared", "-fPIC", "-O1", "-o", library, source], check=True)
+            sys.exit(subprocess.run([sys.executable, __file__], env={**os.environ, "LD_PRELOAD": str(library)}).returncode)
+    import open3d
+
+    tensor = open3d.core.Tensor
+    meshes = [[tensor(array) for array in arrays] for arrays in scene_arrays()[0]]
+    answers = ask(open3d.t.geometry.RaycastingScene(), meshes, tensor, lambda given: given.numpy())
+    answers["INVALID_ID"] = np.array(open3d.t.geometry.RaycastingScene.INVALID_ID)
+    print(json.dumps({name: {"dtype": str(column.dtype), "shape": column.shape,
+                             "values": [None if value == np.inf else value for value in column.ravel().tolist()]}
+                      for name, column in answers.items()}))
+
+
+if __name__ == "__main__":
+    main()

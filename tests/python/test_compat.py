@@ -1,0 +1,242 @@
+"""The adapters: against brute force, and Open3D's against Open3D, live where it is installed and as recorded elsewhere."""
+import importlib.util
+import subprocess
+import sys
+from pathlib import Path
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+import open3d_answers
+import oracles
+import proxima
+from proxima.compat import igl, open3d, trimesh
+
+RECORDED = Path(__file__).with_name("open3d.json")  # by open3d_answers.py
+
+
+@pytest.fixture(scope="module")
+def lookalike(mesh):
+    """What the adapter needs of a trimesh.Trimesh."""
+    return SimpleNamespace(vertices=np.array(mesh.vertices), faces=np.array(mesh.faces, "i8"))
+
+
+def normals(mesh):
+    a, b, c = np.moveaxis(oracles.corners(mesh), 1, 0)
+    normal = np.cross(b - a, c - a)
+    return normal / np.linalg.norm(normal, axis=1, keepdims=True)
+
+
+def rays_at(mesh, count):
+    """Origins around the mesh, and directions to points in its box; some miss."""
+    random = np.random.default_rng(11)
+    origins = 4 * random.normal(size=(count, 3))
+    return origins, random.uniform(*mesh.bounds, (count, 3)) - origins
+
+
+# ---- trimesh
+
+
+def test_trimesh_closest(mesh, lookalike, points):
+    closest, distance, triangle = trimesh.ProximityQuery(lookalike).on_surface(points)
+    truth = oracles.triangle_distances(mesh, points)
+    assert np.allclose(distance, truth.min(axis=1), rtol=1e-12) and triangle.dtype == np.int64
+    assert np.allclose(np.linalg.norm(points - closest, axis=1), distance, rtol=1e-12)
+    # Of the triangles that share the closest point, the one that faces the query most.
+    facing = np.einsum("nk,fk->nf", points, normals(mesh)) - np.einsum("nk,fk->nf", closest, normals(mesh))
+    shared = truth <= truth.min(axis=1, keepdims=True) * (1 + 1e-12)
+    assert (shared.sum(axis=1) > 1).any() and shared[np.arange(len(points)), triangle].all()
+    best = np.where(shared, facing, -np.inf).max(axis=1)
+    assert np.allclose(facing[np.arange(len(points)), triangle], best, rtol=0, atol=1e-9)
+
+
+def test_trimesh_signs_are_positive_inside(mesh, lookalike, points):
+    query = trimesh.ProximityQuery(lookalike)
+    distance = query.signed_distance(points)
+    inside = oracles.winding_numbers(mesh, points) > 0.5
+    assert np.array_equal(distance > 0, inside) and inside.any()
+    assert np.allclose(np.abs(distance), oracles.triangle_distances(mesh, points).min(axis=1), rtol=1e-12)
+    near = mesh.vertices[:40] * (1 + 1e-10)
+    assert (query.signed_distance(near) >= 0).all() and (query.signed_distance(near * (1 + 1e-6)) < 0).any()
+    assert np.array_equal(trimesh.RayMeshIntersector(lookalike).contains_points(points), inside)
+
+
+def test_trimesh_vertices(lookalike, points):
+    lookalike = SimpleNamespace(vertices=np.vstack((lookalike.vertices, [[2, 2, 2]])), faces=lookalike.faces)
+    distance, vertex = trimesh.ProximityQuery(lookalike).vertex(points)
+    truth = np.linalg.norm(points[:, None] - lookalike.vertices, axis=2)
+    assert np.array_equal(vertex, truth.argmin(axis=1)) and np.allclose(distance, truth.min(axis=1), rtol=1e-12)
+    assert len(lookalike.vertices) - 1 in vertex and vertex.dtype == np.int64
+
+
+def test_trimesh_rays(mesh, lookalike):
+    origins, directions = rays_at(mesh, 300)
+    ray = trimesh.RayMeshIntersector(lookalike)
+    truth = oracles.ray_hits(mesh, origins, directions)
+    hit = ~np.isnan(truth)
+    assert np.array_equal(ray.intersects_any(origins, directions), hit.any(axis=1)) and 0 < hit.any(axis=1).sum() < 300
+    first = np.where(hit, truth, np.inf).argmin(axis=1)
+    assert np.array_equal(ray.intersects_first(origins, directions), np.where(hit.any(axis=1), first, -1))
+    triangles, rays = ray.intersects_id(origins, directions)
+    assert set(zip(rays, triangles)) == set(zip(*np.nonzero(hit))) and triangles.dtype == rays.dtype == np.int64
+    places, rays, triangles = ray.intersects_location(origins, directions)
+    assert np.allclose(places, origins[rays] + truth[rays, triangles][:, None] * directions[rays], rtol=0, atol=1e-12)
+    triangles, rays = ray.intersects_id(origins, directions, multiple_hits=False)
+    assert np.array_equal(rays, np.flatnonzero(hit.any(axis=1))) and np.array_equal(triangles, first[rays])
+    with_places = ray.intersects_id(origins, directions, return_locations=True, multiple_hits=False)
+    assert np.array_equal(with_places[0], triangles) and with_places[2].shape == (len(rays), 3)
+
+
+def test_trimesh_counts_a_hit_on_an_edge_once_where_it_says_the_place():
+    """As trimesh's own test_on_vertex: rays from the middle of a box to its corners."""
+    cube = proxima.Mesh.sample("cube")
+    ray = trimesh.RayMeshIntersector(cube)
+    middle = np.zeros((8, 3)) + cube.bounds.mean(axis=0)
+    directions = cube.vertices - middle
+    _, rays, _ = ray.intersects_location(middle, directions)
+    assert np.array_equal(rays, np.arange(8))
+    assert len(ray.intersects_id(middle, directions)[1]) > 8
+
+
+def test_trimesh_without_hits(lookalike):
+    ray = trimesh.RayMeshIntersector(lookalike)
+    away = np.full((5, 3), 9.0)
+    assert not ray.intersects_any(away, away).any() and (ray.intersects_first(away, away) == -1).all()
+    for answer in (ray.intersects_id(away, away, return_locations=True), ray.intersects_location(away, away)):
+        assert [len(column) for column in answer] == [0, 0, 0]
+    none = np.zeros((0, 3))
+    assert trimesh.ProximityQuery(lookalike).on_surface(none)[0].shape == (0, 3)
+    assert ray.intersects_location(none, none)[0].shape == (0, 3)
+
+
+# ---- libigl
+
+
+def test_igl_squared_distances(mesh, points):
+    squared, triangles, closest = igl.point_mesh_squared_distance(points, mesh.vertices, np.array(mesh.faces, "i4"))
+    truth = oracles.triangle_distances(mesh, points)
+    assert np.allclose(squared, truth.min(axis=1) ** 2, rtol=1e-12)
+    assert np.allclose(((points - closest) ** 2).sum(axis=1), squared, rtol=1e-11)
+    assert np.allclose(truth[np.arange(len(points)), triangles], truth.min(axis=1), rtol=1e-12)
+    assert (squared.dtype, triangles.dtype, closest.dtype) == ("f8", "i4", "f8")
+    small = igl.point_mesh_squared_distance(points.astype("f4"), mesh.vertices, np.array(mesh.faces, "i8"))
+    assert [column.dtype for column in small] == ["f4", "i8", "f4"]
+    assert igl.point_mesh_squared_distance(points[0], mesh.vertices, mesh.faces)[2].shape == (1, 3)
+
+
+def test_igl_signs_are_negative_inside(mesh, points):
+    distances, triangles, closest = igl.signed_distance(points, mesh.vertices, mesh.faces)
+    assert np.array_equal(distances < 0, oracles.winding_numbers(mesh, points) > 0.5) and (distances < 0).any()
+    squared, same_triangles, same_closest = igl.point_mesh_squared_distance(points, mesh.vertices, mesh.faces)
+    assert np.allclose(distances ** 2, squared) and np.array_equal(triangles, same_triangles)
+    assert np.array_equal(closest, same_closest)
+    unsigned = igl.signed_distance(points, mesh.vertices, mesh.faces, sign_type=igl.SIGNED_DISTANCE_TYPE_UNSIGNED)[0]
+    assert np.array_equal(unsigned, np.abs(distances))
+
+
+def test_igl_pseudonormals(mesh, points):
+    distances, triangles, closest, normal = igl.signed_distance(points, mesh.vertices, mesh.faces, return_normals=True)
+    assert np.allclose(np.linalg.norm(normal, axis=1), 1)
+    assert np.array_equal(np.sign(((points - closest) * normal).sum(axis=1)), np.sign(distances))  # what they are for
+    found = proxima.Index(mesh).closest(points)
+    corners, faces, unit = oracles.corners(mesh), np.asarray(mesh.faces), normals(mesh)
+    edges = proxima.Topology(mesh).edges
+    for i, (kind, feature) in enumerate(zip(found.feature_kind, found.feature)):
+        if kind == 2:
+            expected = unit[feature]
+        elif kind == 1:
+            expected = unit[[set(edges[feature]) <= set(face) for face in faces]].sum(axis=0)
+        else:
+            expected = np.zeros(3)
+            for triangle, corner in zip(*np.nonzero(faces == feature)):
+                a, b, c = np.roll(corners[triangle], -corner, axis=0)
+                cosine = (b - a) @ (c - a) / np.linalg.norm(b - a) / np.linalg.norm(c - a)
+                expected += np.arccos(cosine) * unit[triangle]
+        assert np.allclose(normal[i], expected / np.linalg.norm(expected), rtol=0, atol=1e-9), (i, kind)
+    assert set(found.feature_kind) >= {1, 2}
+    corner = igl.signed_distance([[2, 2, 2], [2, 0, 0]], *cube_arrays(), return_normals=True)[3]
+    assert np.allclose(corner, [np.full(3, 3 ** -0.5), [1, 0, 0]])
+
+
+def cube_arrays():
+    cube = proxima.Mesh.sample("cube")
+    return cube.vertices, cube.faces
+
+
+@pytest.mark.parametrize("options", [dict(sign_type=7), dict(sign_type=igl.SIGNED_DISTANCE_TYPE_UNSIGNED, return_normals=True)])
+def test_igl_refuses(points, options):
+    with pytest.raises(proxima.InvalidInput):
+        igl.signed_distance(points, *cube_arrays(), **options)
+
+
+# ---- Open3D
+
+
+def ask_ours(meshes=None, wrap=np.asarray, unwrap=np.asarray):
+    scene = open3d.RaycastingScene()
+    answers = open3d_answers.ask(scene, meshes or open3d_answers.scene_arrays()[0], wrap, unwrap)
+    return {**answers, "INVALID_ID": np.array(scene.INVALID_ID)}
+
+
+def compare(ours, theirs):
+    assert set(ours) == set(theirs)
+    assert (ours["cast_rays.t_hit"] < np.inf).any() and (ours["cast_rays.t_hit"] == np.inf).any()
+    assert {0, 1} <= set(ours["closest.geometry_ids"].ravel()) and (ours["compute_signed_distance"] < 0).any()
+    edges = ours["closest.primitive_uvs"]  # on edges and corners either triangle may be named
+    inside = (edges.min(axis=-1) > 1e-4) & (edges.sum(axis=-1) < 1 - 1e-4)
+    for name, column in ours.items():
+        other = theirs[name]
+        assert (column.dtype, column.shape) == (other.dtype, other.shape), name
+        if name.startswith("closest.primitive"):
+            column, other = column[inside], other[inside]
+        if column.dtype == np.float32:
+            assert np.allclose(column, other, rtol=1e-4, atol=2e-5), name
+        else:
+            assert np.array_equal(column, other), name
+
+
+def test_open3d_as_recorded():
+    compare(ask_ours(), open3d_answers.of_json(RECORDED.read_text()))
+
+
+def test_open3d_live():
+    if importlib.util.find_spec("open3d") is None or not Path("/usr/include/embree3").exists():
+        pytest.skip("python3-open3d or libembree-dev is not installed")
+    theirs = subprocess.run([sys.executable, open3d_answers.__file__], check=True, capture_output=True, text=True).stdout
+    compare(ask_ours(), open3d_answers.of_json(theirs))
+
+
+def test_open3d_tensors_and_meshes_of_tensors():
+    o3d = pytest.importorskip("open3d")
+    meshes = [(o3d.t.geometry.TriangleMesh(o3d.core.Tensor(vertices), o3d.core.Tensor(faces)),)
+              for vertices, faces in open3d_answers.scene_arrays()[0]]
+    ours = ask_ours(meshes, o3d.core.Tensor, lambda tensor: tensor.numpy())
+    assert all(np.array_equal(column, ours[name]) for name, column in ask_ours().items())
+
+
+def test_open3d_takes_meshes_that_run_clockwise(mesh, points):
+    scene = open3d.RaycastingScene()
+    scene.add_triangles(mesh.vertices, np.array(mesh.faces)[:, ::-1])
+    assert np.array_equal(scene.compute_occupancy(points), oracles.winding_numbers(mesh, points) > 0.5)
+    before = scene.compute_signed_distance(points)
+    scene.add_triangles(mesh.vertices + 10, mesh.faces)
+    assert np.array_equal(scene.compute_signed_distance(points), before)
+    assert scene.compute_occupancy(points + 10).sum() == (before < 0).sum()
+
+
+def test_open3d_refuses():
+    scene = open3d.RaycastingScene()
+    with pytest.raises(proxima.InvalidInput, match="no triangles"):
+        scene.compute_distance(np.zeros((1, 3)))
+    scene.add_triangles(proxima.Mesh.sample("cube"))
+    with pytest.raises(proxima.InvalidInput, match=r"rays: must have shape \(.., 6\)"):
+        scene.cast_rays(np.zeros((2, 3)))
+    with pytest.raises(proxima.InvalidInput, match="query_points"):
+        scene.compute_distance(np.zeros(3))
+
+
+def test_nothing_else_is_imported():
+    code = ("import sys, proxima.compat.trimesh, proxima.compat.open3d, proxima.compat.igl\n"
+            "assert not {'trimesh', 'open3d', 'igl', 'scipy'} & set(sys.modules)")
+    subprocess.run([sys.executable, "-c", code], check=True)

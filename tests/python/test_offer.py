@@ -1,0 +1,256 @@
+"""What the public headers offer, and what Python does: every name of one side is offered by the other, or left out with a
+reason. A name that is new in a header, or gone from it, fails here until Python has it or the list says why not."""
+from pathlib import Path
+
+import pytest
+
+import cpp_names
+import proxima
+
+HEADERS = sorted((Path(__file__).resolve().parents[2] / "include/proxima").glob("*.h"))
+
+# Headers that Python has nothing of.
+NO_PART_OF_IT = {
+    "export.h": "for compilers",
+    "function_ref.h": "C++ callbacks",
+    "proxima.h": "includes the others",
+    "device.h": "touch: a servo loop of 1,000 ticks a second has no place for an interpreter; `proxima touch` runs one",
+    "haptic_renderer.h": "touch",
+    "tool_renderer.h": "touch",
+    "touch_scene.h": "touch; engine_client.py in examples moves the objects of a running scene",
+    "thesis.h": "the thesis's own methods, to compare with: their answers are those of the index",
+    "cells_along_ray.h": "not bound yet: `proxima raycast --cells` writes them",
+    "mesh_report.h": "not bound yet: `proxima check --json -` says it",
+    "mesh_repair.h": "not bound yet: `proxima repair` does it",
+}
+BATCHES = "the batch answers the same"
+STRUCTURE = "how it is made inside"
+NAMES = "Python has columns for it"
+NOT_YET = "not bound yet"
+
+# C++ name: Python name. Lists of names are separated by spaces.
+OFFERED = {
+    "cast_ray.h": {
+        "closest_hits any_hits all_hits RayBatchOptions.faces": "Index.cast", "RayHit.t RayHit.triangle RayHit.u RayHit.v": "Hits",
+        "RayHitLists.first RayHitLists.hits": "HitLists"},
+    "closest_feature.h": {
+        "closest_feature": "Index.closest_one", "closest_features": "Index.closest",
+        "ClosestFeature.feature ClosestFeature.triangle ClosestFeature.point ClosestFeature.barycentric": "ClosestOne",
+        "ClosestOutputs.distances": "Closest.distance", "ClosestOutputs.points": "Closest.point",
+        "ClosestOutputs.triangles": "Closest.triangle", "ClosestOutputs.feature_kinds": "Closest.feature_kind",
+        "ClosestOutputs.feature_ids": "Closest.feature", "ClosestOutputs.barycentrics": "Closest.barycentric"},
+    "convex_polyhedron.h": {
+        "convex_hull": "Polyhedron", "mirrored": "Polyhedron.mirrored", "polyhedron_of_box": "Polyhedron.box",
+        "polyhedron_of_mesh": "Polyhedron.of_mesh", "HalfSpace.normal HalfSpace.offset": "Polyhedron.half_spaces",
+        "ConvexPolyhedron.dimension": "Polyhedron.dimension", "ConvexPolyhedron.half_space": "Polyhedron.half_spaces",
+        "ConvexPolyhedron.points": "Polyhedron.vertices", "ConvexPolyhedron.vertex_count": "Polyhedron.vertices",
+        "ConvexPolyhedron.facet_loop ConvexPolyhedron.facet_count": "Polyhedron.facets"},
+    "cull.h": {"visible_triangles": "Index.visible"},
+    "execution.h": {"Threads.count": "Index", "Progress.fraction Progress.stage Progress.cancel": "Cancelled"},
+    "geometry.h": {"make_rigid_transform RigidTransform.rotation RigidTransform.translation": "Index.intersect",
+                   "Ray.origin Ray.direction Ray.t_min Ray.t_max": "Index.cast"},
+    "index_io.h": {"load_index": "Index.load", "save_index": "Index.save"},
+    "intersect_meshes.h": {
+        "meshes_intersect intersecting_pairs": "Index.intersect", "TrianglePair.a": "Pairs.a", "TrianglePair.b": "Pairs.b",
+        "PairLists.first PairLists.pairs": "PairLists"},
+    "mesh_distance.h": {
+        "mesh_distance MeshDistanceOptions.farthest": "Index.distance_to", "MeshDistance.distance": "Distances.distance",
+        "MeshDistance.point_a": "Distances.point_a", "MeshDistance.point_b": "Distances.point_b",
+        "MeshDistance.triangle_a": "Distances.triangle_a", "MeshDistance.triangle_b": "Distances.triangle_b"},
+    "mesh_index.h": {
+        "build_mesh_index": "Index", "mesh_of": "Index.mesh", "with_lists ListOptions.list_bytes": "Index.with_lists",
+        "with_signs": "Index.with_signs", "with_slabs": "Index.with_distances", "MeshIndex.bytes": "Index.nbytes",
+        "MeshIndex.edge_count": "Index.edge_count", "MeshIndex.has_lists": "Index.has_lists",
+        "MeshIndex.has_signs": "Index.has_signs", "MeshIndex.has_slabs": "Index.has_distances",
+        "MeshIndex.triangle_count": "Index.triangle_count", "MeshIndex.vertex_count": "Index.vertex_count"},
+    "mesh_io.h": {"read_mesh": "Mesh.read", "write_mesh": "Mesh.write"},
+    "minkowski_sum.h": {
+        "minkowski_sum": "minkowski_sum", "contains": "MinkowskiSum.contains", "signed_distance": "MinkowskiSum.signed_distance",
+        "separation Separation.distance Separation.direction": "separation", "MinkowskiSum.dimension": "MinkowskiSum.dimension",
+        "MinkowskiSum.position MinkowskiSum.point_count MinkowskiSum.vertex_count": "MinkowskiSum.vertices",
+        "MinkowskiSum.facet_loop MinkowskiSum.facet_count": "MinkowskiSum.facets",
+        "MinkowskiSum.half_space": "MinkowskiSum.half_spaces", "SurfacePoint.distance": "SumDistances.distance",
+        "SurfacePoint.nearest": "SumDistances.nearest", "SurfacePoint.direction": "SumDistances.direction",
+        "SurfacePoint.facet": "SumDistances.facet"},
+    "neighbourhood.h": {"collect_rings": "Topology.patch", "collect_triangles": "Index.within"},
+    "octree.h": {
+        "build_octree": "Octree", "octree_statistics": "Octree.statistics", "traverse": "Octree.leaves",
+        "OctreeOptions.max_depth OctreeOptions.threshold OctreeOptions.subdivision OctreeOptions.root_shape "
+        "OctreeOptions.classification": "Octree", "Cell.key CellKey.bits": "Leaves.key", "depth": "Leaves.depth",
+        "Cell.type": "Leaves.kind", "Octree.box": "Leaves.lower", "cell_box": "Leaves.upper", "Octree.triangles": "Leaves.triangle",
+        "OctreeStatistics.boundary OctreeStatistics.bytes OctreeStatistics.depth_reached OctreeStatistics.inner "
+        "OctreeStatistics.leaves OctreeStatistics.max_triangles OctreeStatistics.mean_all_leaves OctreeStatistics.mean_triangles "
+        "OctreeStatistics.min_triangles OctreeStatistics.occupied_leaves OctreeStatistics.occupied_percent "
+        "OctreeStatistics.outer OctreeStatistics.references OctreeStatistics.std_all_leaves OctreeStatistics.std_triangles "
+        "OctreeStatistics.total OctreeStatistics.unclassified Octree.bytes": "Octree.statistics"},
+    "octree_io.h": {"export_octree export_glb export_htg export_ply export_vtu": "Octree.export", "load_octree": "Octree.load",
+                    "save_octree": "Octree.save", "LoadOptions.access": "Index.load"},
+    "result.h": {"Error.code Error.message Error.where fail describe": "Error"},
+    "sample_meshes.h": {"sample_mesh sample_mesh_names make_cube make_icosphere make_octahedron make_spaceship make_sphere "
+                        "make_torus": "Mesh.sample"},
+    "signed_distance.h": {"signed_distances signed_distance SignedOutputs.distances SignedOutputs.methods SignedDistance.distance "
+                          "SignedDistance.method": "Index.signed_distance", "name_of": "SIGN_METHODS"},
+    "topology.h": {"build_topology": "Topology", "Topology.vertices Topology.edge_count": "Topology.edges",
+                   "Topology.across": "Topology.neighbours", "Feature.kind Feature.id": "Closest"},
+    "triangle_mesh.h": {
+        "make_triangle_mesh": "Mesh", "checked_bounding_box bounding_box": "Mesh.bounds",
+        "TriangleMesh.position TriangleMesh.positions TriangleMesh.vertex_count": "Mesh.vertices",
+        "TriangleMesh.triangle TriangleMesh.triangles TriangleMesh.triangle_count": "Mesh.faces"},
+    "view_volume.h": {
+        "make_perspective_volume": "perspective", "make_orthographic_volume": "orthographic", "make_view_volume": "Index.visible",
+        "ViewPlane.normal ViewPlane.offset ViewVolume.planes": "Index.visible",
+        "PerspectiveCamera.eye PerspectiveCamera.forward PerspectiveCamera.up PerspectiveCamera.field_of_view "
+        "PerspectiveCamera.aspect PerspectiveCamera.near PerspectiveCamera.far": "perspective",
+        "OrthographicCamera.eye OrthographicCamera.forward OrthographicCamera.up OrthographicCamera.width "
+        "OrthographicCamera.height OrthographicCamera.near OrthographicCamera.far": "orthographic"},
+}
+
+LEFT_OUT = {
+    "cast_ray.h": {"closest_hit any_hit": BATCHES, "visit_hits": "a callback for each hit: hits=\"all\" has them",
+                   "RayHit.before": "the order of Index.cast(hits=\"all\")"},
+    "closest_feature.h": {
+        "is_found no_closest_feature": "points that are not finite are refused", "ClosestFeature.squared_distance": NAMES,
+        "ClosestOutputs.answers ClosestOutputs.squared_distances": NAMES, "BatchOptions.order": "for tuning: answers are the same",
+        "ClosestFeatureOptions.radius ClosestFeatureOptions.start_from": "for loops in C++, where a start saves a microsecond"},
+    "convex_polyhedron.h": {
+        "polyhedron_of_half_spaces ConvexPolyhedron.is_bounded ConvexPolyhedron.is_ray ConvexPolyhedron.rays "
+        "ConvexPolyhedron.direction": "unbounded polyhedra: " + NOT_YET, "polyhedron_of_triangle": "Polyhedron(corners) is that",
+        "PolyhedronEdge.from PolyhedronEdge.left PolyhedronEdge.right PolyhedronEdge.to PolyhedronNeighbour.edge "
+        "PolyhedronNeighbour.vertex ConvexPolyhedron.edges ConvexPolyhedron.neighbours": "facets have the edges",
+        "PolyhedronSupport.value PolyhedronSupport.vertex ConvexPolyhedron.support": "a product of arrays: vertices @ direction",
+        "ConvexPolyhedron.normal_factors ConvexPolyhedron.normal_sign ConvexPolyhedron.scaled_normal": STRUCTURE,
+        "ConvexPolyhedron.vertex": NAMES, "ConvexMeshOptions.tolerance": NOT_YET},
+    "cull.h": {"visible_ranges visit_visible TriangleRange.count TriangleRange.first": NAMES,
+               "visible_cells VisibleCell.cell VisibleCell.is_inside": "cells of octrees in views: " + NOT_YET},
+    "execution.h": {"Execution.budget MemoryBudget.bytes": "memory that is short raises LimitExceeded",
+                    "Execution.threads Execution.progress": "the arguments threads and progress",
+                    "Progress.advance Progress.begin_stage Progress.cancelled Progress.cancel_after": "what queries report to"},
+    "geometry.h": {
+        "scaled_normal is_valid rotation_error Box.center Box.contains Box.empty Box.extend Box.extent Box.lower Box.upper "
+        "Triangle.vertices Ray.at RigidTransform.inverse Displacement.from Displacement.rounded Displacement.to bounding_box":
+        "arithmetic of arrays"},
+    "intersect_meshes.h": {
+        "visit_intersecting_pairs": NAMES, "find_meeting MeshMeeting.row_a MeshMeeting.row_b MeshMeeting.triangle_a "
+        "MeshMeeting.triangle_b MeetingOptions.start_from": "for loops in C++ over poses that change little",
+        "intersection_contour SurfacePart.ids SurfacePart.kind ContourPoint.on_a ContourPoint.on_b ContourPoint.position "
+        "ContourLine.closed ContourLine.count ContourLine.first IntersectionContour.length IntersectionContour.lines "
+        "IntersectionContour.points IntersectionContour.points_of": "contours: " + NOT_YET + ", `proxima intersect --contour`",
+        "build_enclosure encloses find_containment Enclosure.method Enclosure.parts ContainmentAnswer.containment "
+        "ContainmentAnswer.method": "containment: " + NOT_YET + ", signed distances tell it for points",
+        "find_self_intersections SelfIntersectionOptions.max_pairs SelfIntersections.complete SelfIntersections.pairs": NOT_YET},
+    "mesh_distance.h": {"MeshDistance.part_a MeshDistance.part_b MeshDistance.row_a MeshDistance.row_b": STRUCTURE,
+                        "MeshDistanceOptions.start_from": "poses of one call start from each other"},
+    "mesh_index.h": {
+        "bytes_of MeshIndexBytes.blocks MeshIndexBytes.ids MeshIndexBytes.incidences MeshIndexBytes.lists MeshIndexBytes.rows "
+        "MeshIndexBytes.signs MeshIndexBytes.slabs": STRUCTURE, "refit_index": "moved vertices: " + NOT_YET,
+        "check_same_mesh MeshIndex.mesh_fingerprint": NOT_YET, "default_list_bytes ListOptions.margin ListOptions.max_depth":
+        "for tuning: answers are the same", "MeshIndex.ids MeshIndex.parts": STRUCTURE},
+    "mesh_io.h": {"format_name format_of_path known_mesh_extensions": "the message of an unknown extension lists them",
+                  "read_mesh_from_memory": NOT_YET, "ReadOptions.weld WriteOptions.ply WriteOptions.stl": NOT_YET},
+    "minkowski_sum.h": {
+        "directional_depth": NOT_YET, "SumFacet.a SumFacet.b SumFacet.origin SumFacet.turn SumCorner.a SumCorner.b SumCorner.kind "
+        "MinkowskiSum.a MinkowskiSum.b MinkowskiSum.corner MinkowskiSum.edges MinkowskiSum.facet": "which parts a facet is made of: "
+        + NOT_YET, "MinkowskiSum.support": "a product of arrays: vertices @ direction",
+        "MinkowskiSum.holds_line MinkowskiSum.is_all_of_space MinkowskiSum.is_bounded MinkowskiSum.is_ray":
+        "unbounded polyhedra: " + NOT_YET, "MinkowskiSum.normal_factors MinkowskiSum.scale MinkowskiSum.scaled": STRUCTURE},
+    "neighbourhood.h": {
+        "collect_features NearestFeature.feature NearestFeature.squared": NOT_YET, "Neighbourhood.complete Neighbourhood.written": NAMES,
+        "NeighbourhoodScratch.begin NeighbourhoodScratch.mark NeighbourhoodScratch.set_round NeighbourhoodScratch.triangle_count "
+        "NeighbourhoodScratch.vertex_count": "memory of a search"},
+    "octree.h": {
+        "cell_coordinates cell_key child octant parent tight_root OctreeFrame.edge OctreeFrame.lower OctreeFrame.plane": NAMES,
+        "OctreeNode.count OctreeNode.empty_split_bit OctreeNode.first OctreeNode.inner_mask OctreeNode.is_empty "
+        "OctreeNode.is_leaf OctreeNode.leaf OctreeNode.leaf_bit OctreeNode.max_leaf_count OctreeNode.packed "
+        "OctreeNode.recorded_mask OctreeNode.split Cell.no_node Cell.node Octree.adopt Octree.child Octree.frame Octree.is_leaf "
+        "Octree.nodes Octree.parameters Octree.references Octree.root Octree.triangle_count": STRUCTURE,
+        "ClassificationSummary.components ClassificationSummary.leaked_components ClassificationSummary.leaked_leaves "
+        "OctreeParameters.classification OctreeParameters.classified OctreeParameters.exact OctreeParameters.max_depth "
+        "OctreeParameters.method OctreeParameters.subdivision OctreeParameters.threshold": "what it was built with: " + NOT_YET,
+        "OctreeOptions.root": "a root box of one's own: " + NOT_YET, "OctreeStatistics.leaves_at_depth": NAMES},
+    "octree_io.h": {"LoadOptions.verify": "files are always checked whole"},
+    "sample_meshes.h": {"is_sample_mesh_name": "a wrong name raises InvalidInput"},
+    "signed_distance.h": {"has_local_signs sign_of SignedDistance.closest SignedOutputs.answers": NAMES},
+    "topology.h": {"Topology.bytes": STRUCTURE, "to_index": "ids are int32",
+                   "Topology.edges Topology.triangles Topology.find_edge Topology.other_end Topology.triangle_count "
+                   "Topology.vertex_count": NAMES},
+    "triangle_mesh.h": {"mesh_fingerprint": NOT_YET, "to_index": "ids are int32"},
+    "view_volume.h": {"ViewVolume.empty ViewVolume.inner_point": STRUCTURE},
+}
+
+# Python names that no C++ name stands for, and why.
+PYTHONS_OWN = {
+    "Neighbours Patches Facets Leaves.first Neighbours.first Neighbours.triangle Patches.first Patches.triangle Patches.ring "
+    "Facets.first Facets.vertex HitLists.first HitLists.t HitLists.triangle HitLists.u HitLists.v PairLists.first PairLists.a "
+    "PairLists.b Hits.t Hits.triangle Hits.u Hits.v": "columns of answers",
+    "Hits.hit Pairs.intersecting PairLists.intersecting": "made of the columns",
+    "Closest ClosestOne Hits Pairs Distances Leaves SumDistances": "tuples of columns",
+    "ClosestOne.distance ClosestOne.point ClosestOne.triangle ClosestOne.feature_kind ClosestOne.feature ClosestOne.barycentric":
+    "named as the columns of Closest",
+    "FEATURE_KINDS CELL_KINDS": "names of numbers", "InvalidInput FileMissing FileNotWritable LimitExceeded": "Error.code as types",
+    "__version__": "", "MinkowskiSum": "made by minkowski_sum()",
+}
+ANSWERS = ("count", "index")  # what tuples have of their own
+
+
+def words(table):
+    return {word for names in table for word in names.split()}
+
+
+def in_python():
+    """Names of the package and of its classes' public members."""
+    for name in proxima.__all__:
+        yield name
+        thing = getattr(proxima, name)
+        if isinstance(thing, type) and not issubclass(thing, BaseException):
+            names = {member for base in thing.__mro__[:-1] if base is not tuple for member in vars(base)}
+            yield from (f"{name}.{member}" for member in names if not member.startswith("_") and member not in ANSWERS)
+
+
+@pytest.mark.parametrize("header", [path.name for path in HEADERS if path.name not in NO_PART_OF_IT])
+def test_every_name_of_a_header_is_offered_or_left_out_with_a_reason(header):
+    functions, classes = cpp_names.declarations(HEADERS[0].with_name(header))
+    declared = functions | {f"{name}.{member}" for name, members in classes.items() for member in members}
+    declared = {name for name in declared if not name.endswith("Options.execution")}
+    offered, left_out = words(OFFERED.get(header, {})), words(LEFT_OUT.get(header, {}))
+    assert declared - offered - left_out == set(), "neither offered nor left out"
+    assert (offered | left_out) - declared == set(), "not declared"
+
+
+def test_every_header_is_looked_at():
+    names = {path.name for path in HEADERS}
+    assert len(names) > 30 and set(NO_PART_OF_IT) | set(OFFERED) == names and not set(NO_PART_OF_IT) & set(OFFERED)
+    assert set(LEFT_OUT) <= set(OFFERED)
+
+
+def test_every_name_of_python_is_one_of_the_headers_or_its_own():
+    stands_for = {name for table in OFFERED.values() for name in table.values()}
+    ours, own = set(in_python()), words(PYTHONS_OWN)
+    assert stands_for - ours == set(), "offered under a name that Python does not have"
+    assert ours - stands_for - own == set(), "stands for nothing"
+    assert own - ours == set(), "not in Python"
+
+
+def test_names_are_read_from_headers(tmp_path):
+    header = tmp_path / "some.h"
+    header.write_text("""#pragma once
+namespace PROXIMA_EXPORT proxima {
+class Later;
+inline constexpr int limit = f(3);
+enum class Kind { one, two };
+struct Options { int depth = g(2); std::array<int, 2> pair = {1, 2}; Execution execution = {}; }; // int no(int);
+class Thing {
+public:
+    explicit Thing(int a);
+    [[nodiscard]] int size() const noexcept { return size_; }
+    friend bool operator==(const Thing&, const Thing&) = default;
+private:
+    int hidden() const;
+    int size_ = 0;
+};
+template <class T> concept Visitor = requires(T t) { t(); };
+[[nodiscard]] Result<Thing> make_thing(const Options& options = {});
+[[nodiscard]] inline int size_of(const Thing& thing) { return thing.size(); }
+} // namespace proxima
+""")
+    assert cpp_names.declarations(header) == (
+        {"make_thing", "size_of"}, {"Options": {"depth", "pair", "execution"}, "Thing": {"size"}})
