@@ -288,7 +288,7 @@ ContactForce SurfaceRenderer::contact_force(const ProxyTick& proxy, const Vec3& 
             damping = std::max(damping, material ? material->damping : options_.force.damping);
         }
     }
-    return {elastic, whole, stiffness, damping};
+    return {elastic, whole, stiffness, damping, textured_.pull};
 }
 
 void SurfaceRenderer::reset() noexcept

@@ -108,6 +108,7 @@ TextureTick TextureForce::pass(const ProxyTick& proxy, const TexturedContact& co
             stick_ = there;
             ++report_.slips;
         } else {
+            tick.pull = pull;
             tick.along += pull;
             tick.stored += 0.5 * stiffness * (stick_ - there).squaredNorm();
         }

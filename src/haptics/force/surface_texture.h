@@ -44,6 +44,7 @@ struct TextureTick {
     double grip = 1;           ///< e / d: the part of the contact's pressure that is left
     double groove = 0;         ///< m, d - e
     Vec3 along = Vec3::Zero(); ///< N, of bump and stick-slip along the surface
+    Vec3 pull = Vec3::Zero();  ///< N, stick-slip's part of it
     double viscosity = 0;      ///< N s/m
     double added_damping = 0;  ///< N s/m along the surface, of the observer
     double stored = 0;         ///< J, beside what the spring alone stores
