@@ -79,9 +79,10 @@ struct OctreeAndMesh {
 Status draw(const OctreeCommandOptions& options, const OctreeAndMesh& model, Progress& progress)
 {
     const std::string& shape = options.mesh.empty() ? options.model : options.mesh;
-    const auto image =
-        draw_octree(model.octree, model.mesh,
-                    {.view = for_model(options.view, shape), .with_legend = true, .execution = {.progress = &progress}});
+    const auto image = draw_octree(model.octree, model.mesh,
+                                   {.view = for_model(options.view, shape),
+                                    .with_legend = true,
+                                    .execution = {.progress = &progress}});
     if (!image) return tl::unexpected(image.error());
     return write_png(*image, options.picture, &progress);
 }

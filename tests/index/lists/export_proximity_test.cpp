@@ -49,7 +49,8 @@ std::array<std::uint32_t, 2> sizes(const MeshIndex& octree, std::uint64_t word)
     if (word == proximity_word::search) return {0, 0};
     if (!proximity_word::is_run(word))
         return {static_cast<std::uint32_t>(std::popcount(proximity_word::mask(word))), 1};
-    const RunEntry* const run = &octree.parts().lists()->arrays().runs[proximity_word::position(word)];
+    const RunEntry* const run =
+        &octree.parts().lists()->arrays().runs[proximity_word::position(word)];
     std::uint32_t length = 0;
     for (std::uint32_t i = 1; i <= run->position; ++i)
         length += static_cast<std::uint32_t>(std::popcount(run[i].mask));
