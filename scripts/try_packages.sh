@@ -2,7 +2,6 @@
 # Run by scripts/package in a bare Debian, whose folder /packages has the packages and /program a main.cpp.
 set -euo pipefail
 export DEBIAN_FRONTEND=noninteractive LC_ALL=C.UTF-8
-unset MANPATH PYTHONPATH
 quietly() { "$@" >/tmp/said 2>&1 || { cat /tmp/said; exit 1; }; }
 rm -f /etc/dpkg/dpkg.cfg.d/excludes
 quietly apt-get update

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+// NOLINTBEGIN(readability-identifier-naming): Unreal's names
 using int32 = std::int32_t;
 using uint32 = std::uint32_t;
 
@@ -34,3 +35,4 @@ public:
 private:
     std::string text_;
 };
+// NOLINTEND(readability-identifier-naming)
