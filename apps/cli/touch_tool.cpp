@@ -177,6 +177,8 @@ Status run_tool(const ToolCommandOptions& options, const std::string& model_name
     const ToolObject object = {touched.index, {}};
     ToolRenderOptions render;
     render.force = settings.render.force;
+    render.static_friction = settings.render.static_friction;
+    render.dynamic_friction = settings.render.dynamic_friction;
     render.max_jump = settings.render.max_jump;
     render.clearance = options.clearance;
     render.max_work = options.max_work;

@@ -16,7 +16,8 @@
 //
 // The proxy moves by Gauss' principle of least constraint ([ortega-2007]): of all motions that the
 // contacts allow it makes the one that leaves the least energy in the springs. Between two poses the
-// tool passes no triangle, however thin the wall and however fast the hand. Contacts have no friction.
+// tool passes no triangle, however thin the wall and however fast the hand. Friction is Coulomb's law at
+// each contact; the tool sticks and slides as the point of a HapticRenderer does.
 #pragma once
 
 #include "proxima/device.h"
@@ -48,7 +49,9 @@ struct ToolRenderOptions {
     /// K_theta, N m/rad; 0 = as stiff as the force half the tool's reach from its origin.
     double torsional_stiffness = 0;
     double torsional_damping = 0; ///< N m s/rad
-    double max_torque_slew = 200; ///< N m/s
+    double static_friction = 0.4;
+    double dynamic_friction = 0.3; ///< at most static_friction
+    double max_torque_slew = 200;  ///< N m/s
     /// m between the tool and the objects where they touch; half of it is always kept. At least 2^-30
     /// of the scene's size.
     double clearance = 1e-5;
@@ -89,6 +92,7 @@ struct ToolTick {
     RigidTransform proxy = {};           ///< of the tool, in the model's units and frame
     double force_scale = 1;              ///< 0 to 1: the ramps
     bool is_placed = true;               ///< false: the device began inside; nothing is touched
+    Hold hold = Hold::free;              ///< `sliding` in contact without friction
     std::array<ToolContact, 6> contacts; ///< what holds the proxy back
     std::size_t contact_count = 0;
     std::size_t moves = 0;          ///< of the proxy

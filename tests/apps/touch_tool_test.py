@@ -23,6 +23,14 @@ class Tools(ProgramTest):
             self.assertEqual(result["max_torque"] > 0, torque > 0)
             self.assertLessEqual(result["max_torque"], torque)
 
+    def test_friction_holds_the_tool_back(self):
+        stretches = []
+        for friction in (0, 1):
+            result = self.json_of("touch", "torus:24x12", *self.session, "--friction", friction)
+            self.assertEqual(result["entered_ticks"], 0)
+            stretches.append(result["max_stretch"])
+        self.assertLess(stretches[0], stretches[1])
+
     def test_the_table_of_ticks(self):
         table = self.folder / "ticks.csv"
         result = self.json_of("touch", "torus:24x12", *self.session, "--max-torque", 1, "--ticks", table)
@@ -35,7 +43,7 @@ class Tools(ProgramTest):
         self.assertEqual(sum(row["contacts"] > 0 for row in rows), result["touching_ticks"])
 
     def test_what_does_not_go_together(self):
-        for option, value in (("--radius", 0.001), ("--friction", 0.1), ("--force", "penalty"), ("--guard", "off"),
+        for option, value in (("--radius", 0.001), ("--force", "penalty"), ("--guard", "off"),
                               ("--record", self.folder / "a.pxt"), ("--picture", self.folder / "a.png"), ("--patch", 1),
                               ("--object", "cube"), ("--texture", "viscosity:1"), ("--engine", "udp:0"),
                               ("--method", "thesis"), ("--graphics-rate", 10), ("--collision-rate", 10)):

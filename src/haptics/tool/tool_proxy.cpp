@@ -38,6 +38,10 @@ constexpr double gain_clearances = 0.02;
 /// The part of a motion that is made at least.
 constexpr double least_part = 0.05;
 constexpr double constraint_tolerance = 1e-4; ///< clearances
+/// A contact slides that slips by more than so many clearances in a motion.
+constexpr double least_slip = 1e-3;
+/// Contacts of which the solver with friction looks at so many in a unit of work, in each of its steps.
+constexpr std::size_t friction_contacts_per_work = 32;
 
 /// The pose of the tool in the frame of an object.
 RigidTransform relative_pose(const RigidTransform& object, const RigidTransform& tool) noexcept
@@ -62,7 +66,12 @@ Result<RigidBody> RigidBody::build(const MeshIndex& index, const RigidTransform&
 ToolProxy::ToolProxy(RigidBody tool, std::vector<RigidBody> objects,
                      const ToolProxyOptions& options)
     : tool_(std::move(tool)), objects_(std::move(objects)), options_(options),
-      base_margin_(margin_clearances * options.clearance), most_margin_(base_margin_)
+      base_margin_(margin_clearances * options.clearance), most_margin_(base_margin_),
+      friction_({.fixed = options.static_friction,
+                 .sliding = options.dynamic_friction,
+                 .turning_length = options.turning_length,
+                 .least_slip = least_slip * options.clearance},
+                max_contacts)
 {
     options_.max_moves = std::min(options_.max_moves, most_moves);
     rows_.resize(max_pairs);
@@ -100,6 +109,7 @@ bool ToolProxy::place(const RigidTransform& pose) noexcept
         pose_ = before;
         list_margin_ = -1;
     }
+    friction_.restart();
     held_count_ = 0;
     path_count_ = 0;
     last_length_ = 0;
@@ -265,11 +275,29 @@ bool ToolProxy::collect_hit(const ToolMotion& motion) noexcept
     return contact_count_ > before;
 }
 
-/// The motion nearest to the wanted one that all contacts allow.
+Hold ToolProxy::hold() const noexcept
+{
+    if (held_count_ == 0) return Hold::free;
+    return friction_.any() ? friction_.hold() : Hold::sliding;
+}
+
+void ToolProxy::solve_constraints(const Vec6& wanted) noexcept
+{
+    const auto constraints = std::span<const MotionConstraint>(constraints_).first(contact_count_);
+    const double tolerance = constraint_tolerance * options_.clearance;
+    if (!friction_.any()) {
+        solution_ = least_constraint(wanted, constraints, tolerance);
+        return;
+    }
+    solution_ = friction_.solve(wanted, pose_, std::span(contacts_).first(contact_count_),
+                                constraints, tolerance);
+    effort_.spent += friction_.steps() * (1 + contact_count_ / friction_contacts_per_work);
+}
+
+/// The motion nearest to the wanted one that all contacts and their friction allow.
 Twist ToolProxy::solve(const Vec6& wanted) noexcept
 {
     const double length = options_.turning_length;
-    const double tolerance = constraint_tolerance * options_.clearance;
     work_.contacts = std::max(work_.contacts, contact_count_);
     const auto constraints = std::span(constraints_).first(contact_count_);
     for (std::size_t i = 0; i < contact_count_; ++i) {
@@ -279,11 +307,11 @@ Twist ToolProxy::solve(const Vec6& wanted) noexcept
         constraints[i].direction.tail<3>() = arm.cross(contact.normal) / length;
         constraints[i].bound = options_.clearance - contact.gap;
     }
-    solution_ = least_constraint(wanted, constraints, tolerance);
+    solve_constraints(wanted);
     if (!solution_.solved) {
         // There may be no room for the whole clearance: then no contact may come nearer.
         for (MotionConstraint& each : constraints) each.bound = std::min(each.bound, 0.0);
-        solution_ = least_constraint(wanted, constraints, tolerance);
+        solve_constraints(wanted);
     }
     if (!solution_.solved) {
         solution_ = {};
@@ -292,8 +320,8 @@ Twist ToolProxy::solve(const Vec6& wanted) noexcept
     return {solution_.motion.head<3>(), solution_.motion.tail<3>() / length};
 }
 
-/// What the proxy's pose costs: the springs' energy, and what it takes to restore the clearance at the
-/// contacts, twice as steep as they press (an exact penalty).
+/// What the proxy's pose costs: the springs' energy, what friction takes on the way, and what it takes to
+/// restore the clearance at the contacts, twice as steep as they press (an exact penalty).
 double ToolProxy::cost(const RigidTransform& pose, const Vec6& wanted,
                        double steepness) const noexcept
 {
@@ -304,7 +332,8 @@ double ToolProxy::cost(const RigidTransform& pose, const Vec6& wanted,
         const double gap = contact.normal.dot(point - contact.scene_point);
         short_of += std::max(options_.clearance - gap, 0.0);
     }
-    return 0.5 * wanted.squaredNorm() + steepness * short_of;
+    const double lost = friction_.any() ? friction_.loss(pose) : 0;
+    return 0.5 * wanted.squaredNorm() + steepness * short_of + lost;
 }
 
 /// The part of the motion that lowers the cost the most: all of it but where the tool's arcs leave
@@ -326,7 +355,8 @@ double ToolProxy::useful_part(const ToolMotion& motion, const Vec6& wanted) cons
     after.tail<3>() = length * left.angular;
     const double begin = cost(motion.from, wanted, steepness);
     const double end = cost(motion.to, after, steepness);
-    const double slope = -wanted.dot(step) - (begin - 0.5 * wanted.squaredNorm());
+    const double lost = friction_.any() ? friction_.loss(step) : 0;
+    const double slope = lost - wanted.dot(step) - (begin - 0.5 * wanted.squaredNorm());
     const double bend = end - begin - slope;
     if (!(slope < 0) || !(bend > 0)) return 1;
     return std::clamp(-0.5 * slope / bend, least_part, 1.0);
@@ -347,7 +377,7 @@ double ToolProxy::proven_part(const ToolMotion& motion, double part) noexcept
            free_part(open_pairs(wanted, limits.wanted, OpenPairs::all), wanted, limits, effort_);
 }
 
-void ToolProxy::hold(const ConstrainedMotion& motion) noexcept
+void ToolProxy::hold_back(const ConstrainedMotion& motion) noexcept
 {
     held_count_ = motion.active_count;
     for (std::size_t k = 0; k < held_count_; ++k) {
@@ -388,8 +418,13 @@ ToolProxy::MoveEnd ToolProxy::move(const Twist& wanted) noexcept
         twist = solve(free);
         length = twist.path_length(reach);
     }
+    // Friction holds the tool: it rests, and does not creep by what the solver rounds.
+    if (friction_.any() && solution_.solved && length < constraint_tolerance * options_.clearance) {
+        hold_back(solution_);
+        return MoveEnd::settled;
+    }
     const double part = proven_part(motion, useful_part(motion, free));
-    hold(solution_);
+    hold_back(solution_);
     pose_ = part < 1 ? moved_by(pose_, twist, part) : motion.to;
     path_[path_count_++] = pose_;
     last_length_ += part * length;

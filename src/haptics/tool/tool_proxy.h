@@ -4,7 +4,8 @@
 //     list       pairs of triangles within a margin of each other: no other pair can meet before the
 //                tool has moved that far
 //     contacts   of the pairs that the motion would bring too near
-//     motion     the nearest to the wanted one that keeps all contacts apart (least_constraint.h)
+//     motion     the nearest to the wanted one that keeps all contacts apart (least_constraint.h),
+//                with friction at the contacts (tool_friction.h)
 //     advance    as far as it was proven to pass nothing (triangle_separation.h)
 //
 // A tick repeats this until the proxy has come as near to the device as it can, or its moves are used
@@ -15,6 +16,7 @@
 #include "haptics/tool/least_constraint.h"
 #include "haptics/tool/rigid_motion.h"
 #include "haptics/tool/tool_contacts.h"
+#include "haptics/tool/tool_friction.h"
 #include "haptics/tool/triangle_separation.h"
 #include "proxima/geometry.h"
 #include "proxima/intersect_meshes.h"
@@ -45,8 +47,10 @@ struct RigidBody {
 struct ToolProxyOptions {
     double clearance = 1e-5;   ///< in the model's unit
     double turning_length = 1; ///< rotation vectors times this weigh as much as displacements
-    std::size_t max_moves = 4; ///< in a tick
-    std::size_t max_lists = 2; ///< lists of near pairs in a tick
+    double static_friction = 0;
+    double dynamic_friction = 0;           ///< at most static_friction
+    std::size_t max_moves = 4;             ///< in a tick
+    std::size_t max_lists = 2;             ///< lists of near pairs in a tick
     std::size_t max_work = unlimited_work; ///< in a tick (ToolEffort)
 };
 
@@ -82,6 +86,7 @@ public:
 
     [[nodiscard]] const RigidTransform& pose() const noexcept { return pose_; }
     [[nodiscard]] ToolEnd end() const noexcept { return end_; }
+    [[nodiscard]] Hold hold() const noexcept;
     [[nodiscard]] const ToolWork& work() const noexcept { return work_; }
     [[nodiscard]] std::span<const HeldContact> contacts() const noexcept
     {
@@ -110,6 +115,7 @@ private:
     [[nodiscard]] std::span<NearPair*> open_pairs(const ToolMotion& motion, double least,
                                                   OpenPairs which) noexcept;
     [[nodiscard]] bool collect_hit(const ToolMotion& motion) noexcept;
+    void solve_constraints(const Vec6& wanted) noexcept;
     [[nodiscard]] Twist solve(const Vec6& wanted) noexcept;
     [[nodiscard]] double proven_part(const ToolMotion& motion, double part) noexcept;
     [[nodiscard]] MoveEnd move(const Twist& wanted) noexcept;
@@ -117,7 +123,7 @@ private:
     [[nodiscard]] double cost(const RigidTransform& pose, const Vec6& wanted,
                               double steepness) const noexcept;
     [[nodiscard]] double useful_part(const ToolMotion& motion, const Vec6& wanted) const noexcept;
-    void hold(const ConstrainedMotion& motion) noexcept;
+    void hold_back(const ConstrainedMotion& motion) noexcept;
 
     RigidBody tool_;
     std::vector<RigidBody> objects_;
@@ -138,6 +144,7 @@ private:
     std::vector<FeatureContact> contacts_;
     std::size_t contact_count_ = 0;
     std::vector<MotionConstraint> constraints_;
+    ToolFriction friction_;
     std::array<HeldContact, 6> held_;
     std::size_t held_count_ = 0;
     std::array<RigidTransform, most_moves + 1> path_;

@@ -53,6 +53,8 @@ ToolProxyOptions proxy_options(const ToolRenderOptions& options, const Workspace
     const double length = std::sqrt(options.torsional_stiffness / options.force.stiffness);
     return {.clearance = options.clearance * map.units_per_metre,
             .turning_length = length * map.units_per_metre,
+            .static_friction = options.static_friction,
+            .dynamic_friction = options.dynamic_friction,
             .max_moves = options.max_moves,
             .max_work = options.max_work > 0 ? options.max_work : unlimited_work};
 }
@@ -83,6 +85,12 @@ Status check_tool_settings(const WorkspaceMap& map, const DeviceLimits& device,
                            options.max_work),
                     "max_work");
     }
+    if (options.dynamic_friction > options.static_friction) {
+        return fail(ErrorCode::invalid_argument,
+                    concat("dynamic_friction must be at most static_friction, ",
+                           options.static_friction, ", not ", options.dynamic_friction),
+                    "dynamic_friction");
+    }
     return check_not_negative({{"max_damping", device.max_damping},
                                {"max_torque", device.max_torque},
                                {"damping", options.force.damping},
@@ -91,6 +99,8 @@ Status check_tool_settings(const WorkspaceMap& map, const DeviceLimits& device,
                                {"loss_seconds", options.force.loss_seconds},
                                {"torsional_stiffness", options.torsional_stiffness},
                                {"torsional_damping", options.torsional_damping},
+                               {"static_friction", options.static_friction},
+                               {"dynamic_friction", options.dynamic_friction},
                                {"max_torque_slew", options.max_torque_slew},
                                {"max_jump", options.max_jump},
                                {"max_turn", options.max_turn}});
@@ -198,6 +208,7 @@ private:
     {
         tick_.is_placed = is_placed_;
         tick_.proxy = is_placed_ ? proxy_.pose() : device;
+        tick_.hold = is_placed_ ? proxy_.hold() : Hold::free;
         tick_.end = proxy_.end();
         tick_.moves = proxy_.work().moves;
         tick_.near_triangles = proxy_.work().pairs;

@@ -109,11 +109,13 @@ TEST_P(ToolApproaches, PassNothing)
         const MeshIndex tool_index = index_of(tool.mesh);
         double reach = 0;
         for (const Vec3& p : tool.mesh.positions()) reach = std::max(reach, p.norm());
+        // Without friction and with it.
         for (int approach = 0; approach < 2; ++approach) {
             ++seed;
             SCOPED_TRACE(tool.name + ", seed " + std::to_string(seed));
             Random random(seed);
-            ToolBench bench(tool.mesh, {{object_index, {}}});
+            ToolBench bench(tool.mesh, {{object_index, {}}},
+                            springs_with_friction(0.5 * approach, 0.4 * approach));
             RigidTransform device = pose_at(0.07 * random.direction(), 3 * random.direction());
             bench.start(device);
             ASSERT_TRUE(bench.renderer().last().is_placed);
@@ -226,7 +228,9 @@ TEST(ToolApproachesToScans, PassNothing)
             ++seed;
             SCOPED_TRACE(scan.name + ", " + tool.name + ", seed " + std::to_string(seed));
             Random random(seed);
-            ToolBench bench(tool.mesh, {{index, {}}});
+            const double friction = seed % 2 == 0 ? 0 : 0.5; // without and with it
+            ToolBench bench(tool.mesh, {{index, {}}},
+                            springs_with_friction(friction, 0.8 * friction));
             const auto id = static_cast<std::uint32_t>(
                 random(0, static_cast<double>(scan.mesh.triangle_count())));
             const Triangle aim = scan.mesh.triangle(TriangleId{id});
