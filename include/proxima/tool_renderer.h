@@ -37,6 +37,7 @@
 namespace PROXIMA_EXPORT proxima {
 
 class ToolSurfaceRenderer;
+class TouchScene;
 
 /// An object at rest, in a pose in the scene.
 struct ToolObject {
@@ -68,7 +69,7 @@ struct ToolRenderOptions {
 struct ToolContact {
     Vec3 position = Vec3::Zero(); ///< on the object
     Vec3 normal = Vec3::UnitZ();  ///< from the object to the tool, of length 1
-    std::uint32_t object = 0;     ///< its number in make_tool_renderer()'s list
+    std::uint32_t object = 0;     ///< its number in make_tool_renderer()'s list or in the scene
     TriangleId triangle{};        ///< of the object
     TriangleId tool_triangle{};
     double force = 0; ///< N, along the normal, of the springs without damping
@@ -130,11 +131,8 @@ public:
     [[nodiscard]] std::span<const RigidTransform> path() const noexcept;
 
 private:
-    friend Result<ToolRenderer> make_tool_renderer(const MeshIndex& tool,
-                                                   std::span<const ToolObject> objects,
-                                                   const WorkspaceMap& map,
-                                                   const DeviceLimits& device,
-                                                   const ToolRenderOptions& options);
+    friend class ToolSurfaceRenderer;
+    class TouchScene;
     explicit ToolRenderer(std::unique_ptr<ToolSurfaceRenderer> renderer) noexcept;
 
     std::unique_ptr<ToolSurfaceRenderer> renderer_; ///< not null but after a move
@@ -148,6 +146,18 @@ private:
 /// with_slabs, build_topology and build_enclosure. O(triangles log triangles).
 [[nodiscard]] Result<ToolRenderer> make_tool_renderer(const MeshIndex& tool,
                                                       std::span<const ToolObject> objects,
+                                                      const WorkspaceMap& map,
+                                                      const DeviceLimits& device,
+                                                      const ToolRenderOptions& options = {});
+
+/// Renders a tool that touches a scene, which must outlive the renderer, and whose objects each tick
+/// moves on for this tool. Objects have the friction of their materials, or without one that of the
+/// options; stiffness and damping are those of the options. A tool feels the bodies that objects have
+/// now: exchange(), deform() and textures are for points. An object that would squeeze the tool stays
+/// behind for it, as ToolEnd::limited tells, until there is room. Any thread, also while other
+/// renderers of the scene run. Errors: as above, and invalid_argument where the scene has
+/// max_scene_tools renderers.
+[[nodiscard]] Result<ToolRenderer> make_tool_renderer(const MeshIndex& tool, TouchScene& scene,
                                                       const WorkspaceMap& map,
                                                       const DeviceLimits& device,
                                                       const ToolRenderOptions& options = {});

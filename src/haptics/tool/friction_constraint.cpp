@@ -40,15 +40,15 @@ public:
     void stiffen(double stiffness, const Vec6& motion) noexcept
     {
         for (std::size_t k = 0; k < frictions_.size(); ++k)
-            preload_[k] = force(k, frictions_[k].along * motion);
+            preload_[k] = force(k, frictions_[k].slid(motion));
         spring_ = stiffness;
     }
     [[nodiscard]] Vec6 slope(const Vec6& motion) const noexcept
     {
         Vec6 sum = motion - wanted_;
         for (std::size_t k = 0; k < frictions_.size(); ++k) {
-            const auto& along = frictions_[k].along;
-            sum += along.transpose() * force(k, along * motion);
+            const MotionFriction& friction = frictions_[k];
+            sum += friction.along.transpose() * force(k, friction.slid(motion));
         }
         return sum;
     }
@@ -57,7 +57,7 @@ public:
         Mat6 sum = Mat6::Identity();
         for (std::size_t k = 0; k < frictions_.size(); ++k) {
             const auto& along = frictions_[k].along;
-            const Vector2d trial = preload_[k] + spring_ * (along * motion);
+            const Vector2d trial = preload_[k] + spring_ * frictions_[k].slid(motion);
             const double size = trial.norm();
             Eigen::Matrix2d own = spring_ * Eigen::Matrix2d::Identity();
             if (size > frictions_[k].limit) {
@@ -151,7 +151,7 @@ FrictionalMotion least_constraint_with_friction(const Vec6& wanted,
         } while (change > small && result.steps < max_newton_steps);
     }
     for (std::size_t k = 0; k < frictions.size(); ++k)
-        result.friction[k] = springs.force(k, frictions[k].along * motion);
+        result.friction[k] = springs.force(k, frictions[k].slid(motion));
     found.motion = motion;
     return result;
 }

@@ -1,12 +1,13 @@
 // The least constrained motion of a rigid body whose contacts resist sliding (Coulomb's law with given
 // normal loads).
 //
-//     minimise |u - wanted|^2 / 2 + sum of limit_k |T_k u|   subject to   a_i . u >= b_i
+//     minimise |u - wanted|^2 / 2 + sum of limit_k |T_k u - s_k|   subject to   a_i . u >= b_i
 //
-// T_k u is how far the body slides at contact k, limit_k = mu_k times its load. With the contacts'
+// T_k u - s_k is how far the body slides at contact k, where the other body moves by s_k along the
+// surface; limit_k = mu_k times its load. With the contacts'
 // pressures lambda_i and frictions f_k the motion balances:
 //     wanted - u + sum of lambda_i a_i = sum of T_k^T f_k,    |f_k| <= limit_k
-// A contact sticks, T_k u = 0, or f_k has its limit and points where the contact slides. The problem is
+// A contact sticks, T_k u = s_k, or f_k has its limit and points where the contact slides. The problem is
 // convex, so the motion is unique. Each friction is that of a spring that yields at the limit: soft first,
 // then stiff and with the force that the soft one had. Newton's method finds the motion, each step by
 // least_constraint() in the metric of the springs.
@@ -23,7 +24,13 @@ namespace proxima {
 
 struct MotionFriction {
     Eigen::Matrix<double, 2, 6> along; ///< T: sliding along two directions at right angles
-    double limit = 0;                  ///< at least 0
+    Eigen::Vector2d carried = Eigen::Vector2d::Zero(); ///< s: the other body's motion along them
+    double limit = 0;                                  ///< at least 0
+
+    [[nodiscard]] Eigen::Vector2d slid(const Vec6& motion) const noexcept
+    {
+        return along * motion - carried;
+    }
 };
 
 inline constexpr std::size_t max_frictions = 6;

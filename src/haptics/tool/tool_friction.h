@@ -13,20 +13,20 @@
 
 #include "haptics/tool/friction_constraint.h"
 #include "haptics/tool/least_constraint.h"
+#include "haptics/tool/seen_object.h"
 #include "haptics/tool/tool_contacts.h"
 #include "proxima/geometry.h"
 #include "proxima/haptic_renderer.h"
 
 #include <array>
 #include <cstddef>
+#include <cstdint>
 #include <span>
 #include <vector>
 
 namespace proxima {
 
 struct FrictionOptions {
-    double fixed = 0;          ///< mu_s
-    double sliding = 0;        ///< mu_d, at most mu_s
     double restick = 0.6;      ///< sliding ends below this part of mu_s
     double turning_length = 1; ///< as of the constraints
     double least_slip = 0;     ///< shorter slips count as sticking
@@ -38,14 +38,15 @@ public:
     /// For motions with so many constraints at most.
     ToolFriction(const FrictionOptions& options, std::size_t most_constraints);
 
-    [[nodiscard]] bool any() const noexcept { return options_.fixed > 0; }
     [[nodiscard]] Hold hold() const noexcept { return hold_; }
 
     /// No contact pressed before.
     void restart() noexcept;
 
-    /// The motion from a pose nearest to the wanted one. Constraint k is that of contact k.
+    /// The motion from a pose nearest to the wanted one, while the objects make their steps. Constraint
+    /// k is that of contact k.
     [[nodiscard]] ConstrainedMotion solve(const Vec6& wanted, const RigidTransform& pose,
+                                          std::span<const SeenObject> objects,
                                           std::span<const FeatureContact> contacts,
                                           std::span<const MotionConstraint> constraints,
                                           double tolerance) noexcept;
@@ -53,7 +54,8 @@ public:
     /// Steps of the last solve().
     [[nodiscard]] std::size_t steps() const noexcept { return steps_; }
 
-    /// What friction takes from the springs' energy on the way to a pose: stiffness 1.
+    /// What friction takes from the springs' energy on the way to a pose, of springs of stiffness 1.
+    /// \pre no object moved in the last solve()
     [[nodiscard]] double loss(const RigidTransform& to) const noexcept;
 
     /// Likewise for a small motion.
@@ -62,9 +64,10 @@ public:
 private:
     /// Where and how hard a contact presses.
     struct Load {
-        Vec3 point = Vec3::Zero(); ///< in the tool's frame
-        Vec3 normal = Vec3::UnitZ();
+        Vec3 point = Vec3::Zero();   ///< in the tool's frame
+        Vec3 normal = Vec3::UnitZ(); ///< in the object's
         double pressure = 0;
+        std::uint32_t object = 0;
     };
     struct Loads {
         std::array<Load, max_frictions> items;
@@ -73,8 +76,9 @@ private:
         [[nodiscard]] double total() const noexcept;
     };
 
-    void set_frictions(double coefficient) noexcept;
+    void set_frictions(std::span<const SeenObject> objects) noexcept;
     [[nodiscard]] Loads loads_of(const ConstrainedMotion& motion,
+                                 std::span<const SeenObject> objects,
                                  std::span<const FeatureContact> contacts) const noexcept;
     [[nodiscard]] Hold hold_of(const FrictionalMotion& found) const noexcept;
 
@@ -84,6 +88,7 @@ private:
     Loads loads_;         ///< of the last motion
     Loads used_;          ///< those that the frictions have
     std::array<MotionFriction, max_frictions> frictions_;
+    double most_friction_ = 0; ///< that static friction could have with these loads
     Hold hold_ = Hold::free;
     std::size_t steps_ = 0;
 };

@@ -65,6 +65,7 @@ ContactProblem random_problem(std::uint32_t seed)
         const Vec3 side = normal.unitOrthogonal();
         friction.along.row(0) = row(side).transpose();
         friction.along.row(1) = row(normal.cross(side)).transpose();
+        friction.carried = 0.3 * Eigen::Vector2d(random.unit(), random.unit());
         friction.limit = random.below(5) == 0 ? 0 : std::pow(10, 2 * random.unit()) * 0.1;
         problem.frictions.push_back(friction);
     }
@@ -107,7 +108,7 @@ TEST(FrictionConstraint, ForcesBalanceAndFrictionOpposesTheMotion)
         for (std::size_t k = 0; k < problem.frictions.size(); ++k) {
             const MotionFriction& each = problem.frictions[k];
             sum -= each.along.transpose() * found.friction[k];
-            const Eigen::Vector2d slid = each.along * motion.motion;
+            const Eigen::Vector2d slid = each.slid(motion.motion);
             EXPECT_LE(found.friction[k].norm(), each.limit * (1 + 1e-9));
             // The power of friction at its limit is limit times speed: it points along the motion.
             // A contact that sticks slides by millionths of what is wanted.

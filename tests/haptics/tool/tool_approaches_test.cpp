@@ -1,5 +1,5 @@
 // Tools that are driven into objects from anywhere, turning: they enter nothing and pass nothing.
-#include "geometry/triangle_distance.h"
+#include "haptics/tool/every_pair.h"
 #include "haptics/tool/rigid_motion.h"
 #include "haptics/tool/tool_bench.h"
 #include "haptics/touch_meshes.h"
@@ -11,7 +11,6 @@
 #include <algorithm>
 #include <filesystem>
 #include <gtest/gtest.h>
-#include <random>
 #include <string>
 #include <vector>
 
@@ -57,25 +56,6 @@ std::vector<NamedMesh> objects()
             {"soup", scaled(triangle_soup(3, 40), Vec3::Constant(0.02))},
             {"spaceship", scaled(*sample_mesh("spaceship:1300"), Vec3::Constant(0.004))}};
 }
-
-class Random {
-public:
-    explicit Random(std::uint32_t seed) : engine_(seed) {}
-    double operator()(double low, double high)
-    {
-        return std::uniform_real_distribution<double>(low, high)(engine_);
-    }
-    Vec3 direction()
-    {
-        while (true) {
-            const Vec3 v{(*this)(-1, 1), (*this)(-1, 1), (*this)(-1, 1)};
-            if (v.norm() > 0.1 && v.norm() < 1) return v.normalized();
-        }
-    }
-
-private:
-    std::mt19937 engine_;
-};
 
 /// Looks at all poses along the path of a tick, in steps below `step`.
 void expect_nothing_passed(const ToolBench& bench, const MeshIndex& tool, const MeshIndex& object,
@@ -138,58 +118,6 @@ TEST_P(ToolApproaches, PassNothing)
     }
     std::cout << object.name << ": " << touches << " ticks in contact\n";
     EXPECT_GT(touches, 100);
-}
-
-/// A triangle and its box.
-struct BoxedTriangle {
-    Vec3 lower = Vec3::Zero();
-    Vec3 upper = Vec3::Zero();
-    Triangle triangle;
-};
-
-std::vector<BoxedTriangle> boxed(const TriangleMesh& mesh, const RigidTransform& pose = {})
-{
-    std::vector<BoxedTriangle> all;
-    for (std::uint32_t i = 0; i < mesh.triangle_count(); ++i) {
-        BoxedTriangle each;
-        each.triangle = pose(mesh.triangle(TriangleId{i}));
-        const auto& v = each.triangle.vertices;
-        each.lower = v[0].cwiseMin(v[1]).cwiseMin(v[2]);
-        each.upper = v[0].cwiseMax(v[1]).cwiseMax(v[2]);
-        all.push_back(each);
-    }
-    return all;
-}
-
-/// Whether boxes are farther apart than that along an axis.
-bool apart(const BoxedTriangle& a, const Vec3& lower, const Vec3& upper, double distance)
-{
-    return (lower - a.upper).cwiseMax(a.lower - upper).maxCoeff() > distance;
-}
-
-/// Those whose boxes a ball may meet: all are looked at, one by one, with no tree and no lanes.
-std::vector<BoxedTriangle> near_ball(const std::vector<BoxedTriangle>& all, const Vec3& center,
-                                     double radius)
-{
-    std::vector<BoxedTriangle> near;
-    for (const BoxedTriangle& each : all)
-        if (!apart(each, center, center, radius)) near.push_back(each);
-    return near;
-}
-
-/// The distance of two sets of triangles, or `farthest` where it is more: all pairs.
-double distance_of(const std::vector<BoxedTriangle>& first,
-                   const std::vector<BoxedTriangle>& second, double farthest)
-{
-    double least = farthest;
-    for (const BoxedTriangle& a : first) {
-        for (const BoxedTriangle& b : second) {
-            if (apart(a, b.lower, b.upper, least)) continue;
-            const double squared = closest_points(a.triangle, b.triangle).squared_distance;
-            least = std::min(least, std::sqrt(squared));
-        }
-    }
-    return least;
 }
 
 /// Scans, fitted into a box of 10 cm, where there are any.
