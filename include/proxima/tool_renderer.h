@@ -3,7 +3,7 @@
 //
 //     auto tool = build_mesh_index(*read_mesh("tool.obj"));      // its origin is the device's tip
 //     auto bunny = build_mesh_index(*read_mesh("bunny.obj"));
-//     const ToolObject objects[] = {{.index = *bunny}};
+//     const ToolObject objects[] = {{.index = *bunny}};          // or a TouchScene, whose objects move
 //     auto renderer = make_tool_renderer(*tool, objects, map, limits);    // Result<ToolRenderer>
 //     device.run({.rate = 1000}, [&](std::uint64_t) {
 //         renderer->tick(input->accept(device.read()), 1e-3);

@@ -236,8 +236,9 @@ TEST(ToolAmongMovingObjects, PassesNothing)
                                               scaled(*sample_mesh("torus:12x6"), 0.01)};
     double nearest = 1;
     int touches = 0;
-    int behind = 0;
+    int behind = 0; // a single object
     int ticks = 0;
+    int alone = 0; // of them with one object
     for (std::uint32_t seed = 1; seed <= 18; ++seed) {
         SCOPED_TRACE("seed " + std::to_string(seed));
         Random random(seed);
@@ -269,6 +270,7 @@ TEST(ToolAmongMovingObjects, PassesNothing)
                             Vec3(random(0, 10e-3) * random.direction())};
         for (int tick = 0; tick < 150; ++tick) {
             ++ticks;
+            alone += count == 1 ? 1 : 0;
             device = moved_by(device, hand.scaled(tick < 75 ? 1 : -1), 1);
             for (std::size_t i = 0; i < count; ++i) {
                 poses[i] = moved_by(poses[i], velocities[i], 1);
@@ -278,7 +280,7 @@ TEST(ToolAmongMovingObjects, PassesNothing)
             touches += proxy.contacts().empty() ? 0 : 1;
             const auto path = proxy.path();
             for (std::size_t i = 0; i < count; ++i) {
-                behind += proxy.objects()[i].is_behind() ? 1 : 0;
+                behind += count == 1 && proxy.objects()[i].is_behind() ? 1 : 0;
                 const auto seen = proxy.object_path(i);
                 for (std::size_t k = 0; k + 1 < path.size(); ++k) {
                     const RigidTransform from = seen_from(seen[k], path[k]);
@@ -299,8 +301,10 @@ TEST(ToolAmongMovingObjects, PassesNothing)
         }
     }
     std::cout << ticks << " ticks, " << touches << " in contact, " << behind
-              << " times an object was behind; no nearer than " << 1e6 * nearest << " um\n";
+              << " times a single object was behind; no nearer than " << 1e6 * nearest << " um\n";
     EXPECT_GT(touches, 500);
+    // Nothing squeezes the tool then: it gives way in time.
+    EXPECT_LT(behind, alone / 20);
 }
 
 } // namespace
