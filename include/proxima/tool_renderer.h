@@ -77,8 +77,8 @@ struct ToolContact {
 
 /// How the proxy's motion of a tick ended.
 enum class ToolEnd : std::uint8_t {
-    settled,   ///< no pose nearer to the device can be reached
-    limited,   ///< the tick's moves are used up: the next tick goes on
+    settled, ///< no pose nearer to the device can be reached
+    limited, ///< the tick's moves are used up, or an object of a scene is behind: the next tick goes on
     cut_short, ///< likewise its work, max_work: the proxy moved only as far as was proven by then
     overloaded ///< more triangles are near than there is memory for: the proxy stays where it is
 };

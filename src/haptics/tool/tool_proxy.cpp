@@ -43,7 +43,7 @@ constexpr double least_part = 0.05;
 constexpr double constraint_tolerance = 1e-4; ///< clearances
 /// A contact slides that slips by more than so many clearances in a motion.
 constexpr double least_slip = 1e-3;
-/// Contacts of which the solver with friction looks at so many in a unit of work, in each of its steps.
+/// Contacts that the solver with friction takes in a unit of work, in each of its steps.
 constexpr std::size_t friction_contacts_per_work = 32;
 
 } // namespace
@@ -189,6 +189,11 @@ double ToolProxy::room() const noexcept
         least = std::min(least, object.list_reach - options_.clearance - moved);
     }
     return least;
+}
+
+bool ToolProxy::is_behind() const noexcept
+{
+    return std::ranges::any_of(objects_, [](const SeenObject& each) { return each.is_behind(); });
 }
 
 /// How far objects that are behind have to move at most, as points of the tool see it.
@@ -520,7 +525,7 @@ ToolProxy::MoveEnd ToolProxy::move(const Twist& wanted) noexcept
         motion = make_move(solve(free), 1);
     }
     // Friction holds the tool: it rests, and does not creep by what the solver rounds.
-    if (has_friction() && solution_.solved && !objects_move_ &&
+    if (has_friction() && solution_.solved && !is_behind() &&
         motion.length < constraint_tolerance * options_.clearance) {
         hold_back(solution_);
         return MoveEnd::settled;
@@ -533,7 +538,7 @@ ToolProxy::MoveEnd ToolProxy::move(const Twist& wanted) noexcept
     left.head<3>() = rest.linear;
     left.tail<3>() = options_.turning_length * rest.angular;
     const bool gains = std::abs(left.norm() - free.norm()) > gain_clearances * options_.clearance;
-    const bool goes_on = !solution_.solved || objects_move_ ||
+    const bool goes_on = !solution_.solved || objects_move_ || is_behind() ||
                          (motion.length > settled && (gains || part < least_part));
     return goes_on ? MoveEnd::goes_on : MoveEnd::settled;
 }

@@ -115,6 +115,7 @@ private:
     [[nodiscard]] bool list_pairs(double margin) noexcept;
     [[nodiscard]] bool list_pairs_once(double margin) noexcept;
     [[nodiscard]] double room() const noexcept;
+    [[nodiscard]] bool is_behind() const noexcept;
     [[nodiscard]] double way_of_objects() const noexcept;
     void step_objects(double part) noexcept;
     [[nodiscard]] Move make_move(const Twist& twist, double part) noexcept;
