@@ -261,7 +261,7 @@ Status replay_tool(const ToolCommandOptions& options, const std::string& touched
         if (!options.ticks.empty()) kept.push_back(felt);
     }
     return report_tool(
-        {options, model_name, device, index, *tool, settings.tick_seconds, settings.max_torque},
+        {options, touched, device, index, *tool, settings.tick_seconds, settings.max_torque},
         account, kept, session);
 }
 

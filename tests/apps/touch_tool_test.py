@@ -49,7 +49,7 @@ class Tools(ProgramTest):
         replay = ("--device", f"replay:{file}")
         again = self.json_of("touch", "torus:24x12", *tool, *replay, "--ticks", after)
         self.assertEqual((first["replay_differences"], again["replay_differences"]), (None, 0))
-        for key in ("ticks", "touching_ticks", "max_force", "max_torque", "max_stretch"):
+        for key in ("model", "tool", "ticks", "touching_ticks", "max_force", "max_torque", "max_stretch"):
             self.assertEqual(first[key], again[key])
         self.assertEqual(before.read_bytes(), after.read_bytes())
         self.refuse("touch", "torus:24x12", "--tool", "cube", "--tool-scale", 0.2, *replay, says="another model, tool")

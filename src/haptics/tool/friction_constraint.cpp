@@ -3,6 +3,7 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace proxima {
 
@@ -22,8 +23,8 @@ constexpr int max_part_searches = 60;
 /// Springs that yield: minimises the energy of the body and of its frictions.
 class FrictionSprings {
 public:
-    FrictionSprings(const Vec6& wanted, std::span<const MotionFriction> frictions) noexcept
-        : wanted_(wanted), frictions_(frictions)
+    FrictionSprings(Vec6 wanted, std::span<const MotionFriction> frictions) noexcept
+        : wanted_(std::move(wanted)), frictions_(frictions)
     {
         preload_.fill(Vector2d::Zero());
     }

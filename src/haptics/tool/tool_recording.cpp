@@ -191,9 +191,9 @@ DeviceState device_state(const RecordedToolTick& tick) noexcept
     DeviceState state;
     for (std::size_t row = 0; row < 3; ++row) {
         const auto at = static_cast<Eigen::Index>(row);
-        for (Eigen::Index column = 0; column < 3; ++column)
-            state.pose.rotation(at, column) =
-                tick.device[4 * row + static_cast<std::size_t>(column)];
+        for (std::size_t column = 0; column < 3; ++column)
+            state.pose.rotation(at, static_cast<Eigen::Index>(column)) =
+                tick.device[4 * row + column];
         state.pose.translation[at] = tick.device[4 * row + 3];
     }
     state.buttons = tick.buttons;
