@@ -227,7 +227,7 @@ Status run_touch(TouchCommandOptions options, Session& session)
     if (Status status = check_self_test_options(options); !status) return status;
     if (options.self_test) return run_self_test(options, session);
     if (!options.tool.tool.empty())
-        return run_tool(options.tool, options.model, settings_of(options), session);
+        return run_tool(options.tool, options.model, options.record, settings_of(options), session);
     if (Status status = check_picture(options, session); !status) return status;
     return options.device.starts_with(replay_prefix) ? run_replay(options, session)
                                                      : run_device(options, session);

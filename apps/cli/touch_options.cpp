@@ -31,11 +31,13 @@ constexpr std::array recorded_options = {
     "--graphics-rate", "--record",         "--method",    "--guard",   "--engine"};
 /// What a tool has no use for yet, and what is for a tool alone.
 constexpr std::array unfit_for_a_tool = {
-    "--radius",   "--friction", "--shading", "--force",  "--guard",         "--lists",
-    "--record",   "--patch",    "--picture", "--object", "--pose",          "--motion",
-    "--material", "--texture",  "--engine",  "--method", "--graphics-rate", "--collision-rate"};
+    "--radius",  "--shading", "--force",         "--guard",         "--lists",    "--patch",
+    "--picture", "--object",  "--pose",          "--motion",        "--material", "--texture",
+    "--engine",  "--method",  "--graphics-rate", "--collision-rate"};
 constexpr std::array tool_options = {"--tool-scale", "--turn",     "--max-torque",
                                      "--clearance",  "--max-work", "--ticks"};
+constexpr std::array recorded_tool_options = {"--turn", "--max-torque", "--clearance",
+                                              "--max-work"};
 constexpr std::array driver_options = {"--device-library"};
 
 std::string names_of_devices()
@@ -196,14 +198,10 @@ Status check_options(const TouchCommandOptions& options)
     }
     const std::string kind = options.device.substr(0, options.device.find(':'));
     Status status;
-    if (kind == "replay" && !options.tool.tool.empty()) {
-        return fail(ErrorCode::invalid_argument,
-                    "recordings are of points: leave --tool out, or give another device",
-                    "--device");
-    }
     if (kind == "replay") {
         const char* const why = "a replay repeats the session as it was recorded: leave it out";
         status = refuse(recorded_options, why);
+        if (status) status = refuse(recorded_tool_options, why);
         return status ? refuse(hand_options, why) : status;
     }
     if (kind != "hand") {

@@ -1,9 +1,11 @@
 #include "cli/touch_tool.h"
 
 #include "base/output_file.h"
+#include "cli/names.h"
 #include "cli/touch_device.h"
 #include "cli/touch_options.h"
 #include "haptics/tool/rigid_motion.h"
+#include "haptics/tool/tool_recording.h"
 #include "proxima/device.h"
 #include "proxima/intersect_meshes.h"
 #include "proxima/tool_renderer.h"
@@ -16,6 +18,8 @@
 #include <fmt/core.h>
 #include <nlohmann/json.hpp>
 #include <numbers>
+#include <optional>
+#include <span>
 #include <utility>
 #include <vector>
 
@@ -52,6 +56,8 @@ std::int64_t clock_nanoseconds() noexcept
     return std::chrono::steady_clock::now().time_since_epoch() / std::chrono::nanoseconds(1);
 }
 
+constexpr std::string_view replay_name = "replay:";
+
 /// What a session with a tool showed.
 struct ToolAccount {
     std::uint64_t ticks = 0;
@@ -68,7 +74,36 @@ struct ToolAccount {
     std::size_t max_near = 0;
     LatencyHistogram tick;      ///< by the clock
     LatencyHistogram processor; ///< by the thread's processor time
+    std::uint64_t missed = 0;   ///< deadlines
+    bool interrupted = false;
+    std::optional<std::uint64_t> differences = {}; ///< ticks of a replay with other bits
+
+    /// One tick of the renderer, timed.
+    const ToolTick& add(ToolRenderer& renderer, const DeviceState& state, double seconds) noexcept;
 };
+
+const ToolTick& ToolAccount::add(ToolRenderer& renderer, const DeviceState& state,
+                                 double seconds) noexcept
+{
+    const std::int64_t clock = clock_nanoseconds();
+    const std::int64_t begin = thread_nanoseconds();
+    const ToolTick& felt = renderer.tick(state, seconds);
+    processor.add(thread_nanoseconds() - begin);
+    tick.add(clock_nanoseconds() - clock);
+    ++ticks;
+    touching += felt.contact_count > 0 ? 1U : 0U;
+    limited += felt.end == ToolEnd::limited ? 1U : 0U;
+    cut_short += felt.end == ToolEnd::cut_short ? 1U : 0U;
+    overloaded += felt.end == ToolEnd::overloaded ? 1U : 0U;
+    unplaced += felt.is_placed ? 0U : 1U;
+    max_force = std::max(max_force, felt.force.norm());
+    max_torque = std::max(max_torque, felt.torque.norm());
+    max_spring_torque = std::max(max_spring_torque, felt.spring_torque.norm());
+    const Vec3 stretch = renderer.map().to_device(felt.proxy.translation) - felt.device.translation;
+    max_stretch = std::max(max_stretch, stretch.norm());
+    max_near = std::max(max_near, felt.near_triangles);
+    return felt;
+}
 
 Json json_of(const LatencyHistogram& tick)
 {
@@ -112,9 +147,123 @@ std::string row_of(double seconds, const ToolTick& tick)
                        text(tick.torque), tick.contact_count);
 }
 
+/// A session, for its report.
+struct ToolSession {
+    const ToolCommandOptions& options;
+    const std::string& model_name;
+    const std::string& device;
+    const MeshIndex& model;
+    const MeshIndex& tool;
+    double tick_seconds = 1e-3;
+    double max_torque = 0; ///< of the device
+};
+
 constexpr std::string_view row_header =
     "seconds,x,y,z,turn_x,turn_y,turn_z,proxy_x,proxy_y,proxy_z,proxy_turn_x,proxy_turn_y,"
     "proxy_turn_z,force_x,force_y,force_z,torque_x,torque_y,torque_z,contacts\n";
+
+/// Prints a session, and writes its table of ticks.
+Status report_tool(const ToolSession& of, const ToolAccount& account,
+                   std::span<const ToolTick> kept, Session& session)
+{
+    std::string text = fmt::format(
+        "{} ticks with a tool of {} triangles on {}: {} in contact, {} in which tool and model "
+        "met\n"
+        "force: at most {:.3f} N, {:.2f} mm of stretch\n"
+        "torque: at most {:.4f} N m{}\n"
+        "{} ticks left motion to the next, {} others ended at their work, {} had too many "
+        "triangles "
+        "near (at most {} pairs)\n",
+        account.ticks, of.tool.triangle_count(), of.model_name, account.touching, account.entered,
+        account.max_force, 1e3 * account.max_stretch, account.max_torque,
+        of.max_torque > 0 ? std::string()
+                          : fmt::format(": the device gives none; its spring asked for {:.4f}",
+                                        account.max_spring_torque),
+        account.limited, account.cut_short, account.overloaded, account.max_near);
+    if (account.unplaced > 0) {
+        text += fmt::format("{} ticks felt nothing: the tool began inside and was not out yet\n",
+                            account.unplaced);
+    }
+    if (account.differences)
+        text += fmt::format("{} ticks have other forces than recorded\n", *account.differences);
+    text += times_text("a tick by the clock", account.tick);
+    text += times_text("a tick's processor time", account.processor);
+    session.print(text);
+    if (!of.options.ticks.empty()) {
+        auto file = OutputFile::create(of.options.ticks);
+        if (!file) return tl::unexpected(file.error());
+        Status written = file->write(row_header);
+        for (std::size_t i = 0; i < kept.size() && written; ++i)
+            written = file->write(row_of(static_cast<double>(i) * of.tick_seconds, kept[i]));
+        if (written) written = file->commit();
+        if (!written) return written;
+        session.print(fmt::format("wrote {}\n", of.options.ticks));
+    }
+    return session.write_json(
+        {{"model", of.model_name},
+         {"triangles", of.model.triangle_count()},
+         {"tool", of.options.tool},
+         {"tool_triangles", of.tool.triangle_count()},
+         {"device", of.device},
+         {"ticks", account.ticks},
+         {"interrupted", account.interrupted},
+         {"replay_differences", account.differences ? Json(*account.differences) : Json()},
+         {"touching_ticks", account.touching},
+         {"entered_ticks", account.entered},
+         {"unplaced_ticks", account.unplaced},
+         {"limited_ticks", account.limited},
+         {"cut_short_ticks", account.cut_short},
+         {"overloaded_ticks", account.overloaded},
+         {"max_near_pairs", account.max_near},
+         {"max_force", account.max_force},
+         {"max_torque", account.max_torque},
+         {"max_spring_torque", account.max_spring_torque},
+         {"max_stretch", account.max_stretch},
+         {"clock", json_of(account.tick)},
+         {"processor", json_of(account.processor)},
+         {"missed_deadlines", account.missed}});
+}
+
+/// Plays a recorded session again.
+Status replay_tool(const ToolCommandOptions& options, const std::string& touched,
+                   const std::string& device, Session& session)
+{
+    const std::string path = device.substr(replay_name.size());
+    const auto recording = load_tool_recording(path, &session.progress());
+    if (!recording) return tl::unexpected(recording.error());
+    const auto model = load_touch_model(touched, false, session);
+    if (!model) return tl::unexpected(model.error());
+    const auto tool = load_tool(options, session);
+    if (!tool) return tl::unexpected(tool.error());
+    const MeshIndex& index = (*model)->index;
+    const ToolRecordingSettings& settings = recording->settings;
+    if (settings.model_fingerprint != index.mesh_fingerprint() ||
+        settings.tool_fingerprint != tool->mesh_fingerprint()) {
+        return fail(ErrorCode::invalid_argument,
+                    "was recorded with another model, tool or --tool-scale: replay it with those "
+                    "of the session",
+                    path);
+    }
+    const ToolObject object = {index, {}};
+    auto renderer = make_tool_renderer(*tool, std::span(&object, 1), settings.map,
+                                       settings.device(), settings.render);
+    if (!renderer) return tl::unexpected(renderer.error());
+    ToolAccount account;
+    account.differences = 0;
+    std::vector<ToolTick> kept;
+    kept.reserve(options.ticks.empty() ? 0 : recording->ticks.size());
+    for (const RecordedToolTick& tick : recording->ticks) {
+        if (Status status = session.check_running(); !status) return status;
+        const DeviceState state = device_state(tick);
+        const ToolTick& felt = account.add(*renderer, state, settings.tick_seconds);
+        account.entered += felt.is_placed && meshes_intersect(index, *tool, felt.proxy) ? 1U : 0U;
+        if (!same_response(recorded(state, felt), tick)) ++*account.differences;
+        if (!options.ticks.empty()) kept.push_back(felt);
+    }
+    return report_tool(
+        {options, touched, device, index, *tool, settings.tick_seconds, settings.max_torque},
+        account, kept, session);
+}
 
 } // namespace
 
@@ -150,20 +299,29 @@ void add_tool_options(CLI::App& parser, ToolCommandOptions& options)
 }
 
 Status run_tool(const ToolCommandOptions& options, const std::string& model_name,
-                const TouchSettings& settings, Session& session)
+                const std::string& record, const TouchSettings& settings, Session& session)
 {
     if (!options.ticks.empty()) {
         if (Status status = session.check_outputs({options.ticks}); !status) return status;
-        const double kept_ticks = settings.seconds / settings.input.tick_seconds;
-        const double bytes = kept_ticks * static_cast<double>(sizeof(ToolTick));
-        if (bytes > most_recorded_bytes) {
-            return fail(ErrorCode::budget_exceeded,
-                        fmt::format("{:g} s would hold {:.1f} GB in memory, and a session may hold "
-                                    "{:.1f}: give at most --seconds {:.0f}, or no --ticks",
-                                    settings.seconds, 1e-9 * bytes, 1e-9 * most_recorded_bytes,
-                                    std::floor(settings.seconds * most_recorded_bytes / bytes)),
-                        "--ticks");
-        }
+    }
+    if (settings.device.device.starts_with(replay_name))
+        return replay_tool(options, model_name, settings.device.device, session);
+    if (!record.empty()) {
+        if (Status status = session.check_outputs({record}); !status) return status;
+        if (Status status = check_extension(record, ".pxt"); !status) return status;
+    }
+    const double bytes_per_tick =
+        static_cast<double>((options.ticks.empty() ? 0 : sizeof(ToolTick)) +
+                            (record.empty() ? 0 : sizeof(RecordedToolTick)));
+    const double bytes = settings.seconds / settings.input.tick_seconds * bytes_per_tick;
+    if (bytes > most_recorded_bytes) {
+        const char* const option = options.ticks.empty() ? "--record" : "--ticks";
+        return fail(ErrorCode::budget_exceeded,
+                    fmt::format("{:g} s would hold {:.1f} GB in memory, and a session may hold "
+                                "{:.1f}: give at most --seconds {:.0f}, or no {}",
+                                settings.seconds, 1e-9 * bytes, 1e-9 * most_recorded_bytes,
+                                std::floor(settings.seconds * most_recorded_bytes / bytes), option),
+                    option);
     }
     const auto model = load_touch_model(model_name, false, session);
     if (!model) return tl::unexpected(model.error());
@@ -177,6 +335,8 @@ Status run_tool(const ToolCommandOptions& options, const std::string& model_name
     const ToolObject object = {touched.index, {}};
     ToolRenderOptions render;
     render.force = settings.render.force;
+    render.static_friction = settings.render.static_friction;
+    render.dynamic_friction = settings.render.dynamic_friction;
     render.max_jump = settings.render.max_jump;
     render.clearance = options.clearance;
     render.max_work = options.max_work;
@@ -192,6 +352,17 @@ Status run_tool(const ToolCommandOptions& options, const std::string& model_name
     const std::uint64_t release_ticks = ticks_to_release(device.info(), settings);
     const bool scripted = settings.device.device.starts_with("hand:");
     std::vector<ToolTick> kept(options.ticks.empty() ? 0 : ticks + release_ticks);
+    ToolRecording recording;
+    recording.settings = {.model_fingerprint = touched.index.mesh_fingerprint(),
+                          .tool_fingerprint = tool->mesh_fingerprint(),
+                          .tick_seconds = tick_seconds,
+                          .map = opened->map,
+                          .render = render,
+                          .max_force = opened->limits.max_force,
+                          .max_stiffness = opened->limits.max_stiffness,
+                          .max_damping = opened->limits.max_damping,
+                          .max_torque = options.max_torque};
+    recording.ticks.resize(record.empty() ? 0 : ticks + release_ticks);
     std::uint64_t last = ticks; // the session ends before this tick, and then lets go
     ToolAccount account;
     const ServoStatistics servo = device.run(
@@ -203,88 +374,29 @@ Status run_tool(const ToolCommandOptions& options, const std::string& model_name
             const double seconds = static_cast<double>(number) * tick_seconds;
             if (scripted) reading.state.pose.rotation = turned_by_wrist(options.turn, seconds);
             const DeviceState& state = input->accept(reading);
-            const std::int64_t clock = clock_nanoseconds();
-            const std::int64_t begin = thread_nanoseconds();
-            const ToolTick& tick = renderer->tick(state, tick_seconds);
-            account.processor.add(thread_nanoseconds() - begin);
-            account.tick.add(clock_nanoseconds() - clock);
+            const ToolTick& tick = account.add(*renderer, state, tick_seconds);
             device.write(input->command(*renderer));
-            ++account.ticks;
-            account.touching += tick.contact_count > 0 ? 1U : 0U;
-            account.limited += tick.end == ToolEnd::limited ? 1U : 0U;
-            account.cut_short += tick.end == ToolEnd::cut_short ? 1U : 0U;
-            account.overloaded += tick.end == ToolEnd::overloaded ? 1U : 0U;
-            account.unplaced += tick.is_placed ? 0U : 1U;
             // A simulated hand waits for the exact test; a device would miss ticks.
             account.entered +=
                 scripted && tick.is_placed && meshes_intersect(touched.index, *tool, tick.proxy)
                     ? 1U
                     : 0U;
-            account.max_force = std::max(account.max_force, tick.force.norm());
-            account.max_torque = std::max(account.max_torque, tick.torque.norm());
-            account.max_spring_torque =
-                std::max(account.max_spring_torque, tick.spring_torque.norm());
-            const Vec3 stretch =
-                opened->map.to_device(tick.proxy.translation) - tick.device.translation;
-            account.max_stretch = std::max(account.max_stretch, stretch.norm());
-            account.max_near = std::max(account.max_near, tick.near_triangles);
+            if (!recording.ticks.empty()) recording.ticks[number] = recorded(state, tick);
             if (!kept.empty()) kept[number] = tick;
             return account.ticks >= last + release_ticks ? Flow::stop : Flow::proceed;
         });
+    account.missed = servo.missed;
+    account.interrupted = last < ticks;
     kept.resize(std::min<std::size_t>(kept.size(), account.ticks));
+    recording.ticks.resize(std::min<std::size_t>(recording.ticks.size(), account.ticks));
+    const ToolSession of = {options, model_name,   settings.device.device, touched.index,
+                            *tool,   tick_seconds, options.max_torque};
+    if (!record.empty()) {
+        if (Status status = save_tool_recording(recording, record, nullptr); !status) return status;
+        session.print(fmt::format("wrote {}\n", record));
+    }
 
-    std::string text = fmt::format(
-        "{} ticks with a tool of {} triangles on {}: {} in contact, {} in which tool and model "
-        "met\n"
-        "force: at most {:.3f} N, {:.2f} mm of stretch\n"
-        "torque: at most {:.4f} N m{}\n"
-        "{} ticks left motion to the next, {} others ended at their work, {} had too many "
-        "triangles "
-        "near (at most {} pairs)\n",
-        account.ticks, tool->triangle_count(), model_name, account.touching, account.entered,
-        account.max_force, 1e3 * account.max_stretch, account.max_torque,
-        options.max_torque > 0 ? std::string()
-                               : fmt::format(": the device gives none; its spring asked for {:.4f}",
-                                             account.max_spring_torque),
-        account.limited, account.cut_short, account.overloaded, account.max_near);
-    if (account.unplaced > 0) {
-        text += fmt::format("{} ticks felt nothing: the tool began inside and was not out yet\n",
-                            account.unplaced);
-    }
-    text += times_text("a tick by the clock", account.tick);
-    text += times_text("a tick's processor time", account.processor);
-    session.print(text);
-    if (!options.ticks.empty()) {
-        auto file = OutputFile::create(options.ticks);
-        if (!file) return tl::unexpected(file.error());
-        Status written = file->write(row_header);
-        for (std::size_t i = 0; i < kept.size() && written; ++i)
-            written = file->write(row_of(static_cast<double>(i) * tick_seconds, kept[i]));
-        if (written) written = file->commit();
-        if (!written) return written;
-        session.print(fmt::format("wrote {}\n", options.ticks));
-    }
-    return session.write_json({{"model", model_name},
-                               {"triangles", touched.index.triangle_count()},
-                               {"tool", options.tool},
-                               {"tool_triangles", tool->triangle_count()},
-                               {"device", settings.device.device},
-                               {"ticks", account.ticks},
-                               {"interrupted", last < ticks},
-                               {"touching_ticks", account.touching},
-                               {"entered_ticks", account.entered},
-                               {"unplaced_ticks", account.unplaced},
-                               {"limited_ticks", account.limited},
-                               {"cut_short_ticks", account.cut_short},
-                               {"overloaded_ticks", account.overloaded},
-                               {"max_near_pairs", account.max_near},
-                               {"max_force", account.max_force},
-                               {"max_torque", account.max_torque},
-                               {"max_spring_torque", account.max_spring_torque},
-                               {"max_stretch", account.max_stretch},
-                               {"clock", json_of(account.tick)},
-                               {"processor", json_of(account.processor)},
-                               {"missed_deadlines", servo.missed}});
+    return report_tool(of, account, kept, session);
 }
 
 } // namespace proxima

@@ -24,9 +24,12 @@ struct ToolCommandOptions {
 
 void add_tool_options(CLI::App& parser, ToolCommandOptions& options);
 
-/// Touches the model with the tool and reports. Each tick is looked at by the exact test of whether
-/// tool and model meet. Errors: those of make_tool_renderer and of the device.
+/// Touches the model with the tool and reports, or plays a session again (device replay:FILE). Each tick
+/// of a simulated hand or a replay is looked at by the exact test of whether tool and model meet.
+/// `record` is a file for the session; "" for none. Errors: those of make_tool_renderer, of the device
+/// and of files.
 [[nodiscard]] Status run_tool(const ToolCommandOptions& options, const std::string& model_name,
-                              const TouchSettings& settings, Session& session);
+                              const std::string& record, const TouchSettings& settings,
+                              Session& session);
 
 } // namespace proxima

@@ -3,7 +3,7 @@
 //
 //     auto tool = build_mesh_index(*read_mesh("tool.obj"));      // its origin is the device's tip
 //     auto bunny = build_mesh_index(*read_mesh("bunny.obj"));
-//     const ToolObject objects[] = {{.index = *bunny}};
+//     const ToolObject objects[] = {{.index = *bunny}};          // or a TouchScene, whose objects move
 //     auto renderer = make_tool_renderer(*tool, objects, map, limits);    // Result<ToolRenderer>
 //     device.run({.rate = 1000}, [&](std::uint64_t) {
 //         renderer->tick(input->accept(device.read()), 1e-3);
@@ -16,7 +16,8 @@
 //
 // The proxy moves by Gauss' principle of least constraint ([ortega-2007]): of all motions that the
 // contacts allow it makes the one that leaves the least energy in the springs. Between two poses the
-// tool passes no triangle, however thin the wall and however fast the hand. Contacts have no friction.
+// tool passes no triangle, however thin the wall and however fast the hand. Friction is Coulomb's law at
+// each contact; the tool sticks and slides as the point of a HapticRenderer does.
 #pragma once
 
 #include "proxima/device.h"
@@ -36,6 +37,7 @@
 namespace PROXIMA_EXPORT proxima {
 
 class ToolSurfaceRenderer;
+class TouchScene;
 
 /// An object at rest, in a pose in the scene.
 struct ToolObject {
@@ -48,7 +50,9 @@ struct ToolRenderOptions {
     /// K_theta, N m/rad; 0 = as stiff as the force half the tool's reach from its origin.
     double torsional_stiffness = 0;
     double torsional_damping = 0; ///< N m s/rad
-    double max_torque_slew = 200; ///< N m/s
+    double static_friction = 0.4;
+    double dynamic_friction = 0.3; ///< at most static_friction
+    double max_torque_slew = 200;  ///< N m/s
     /// m between the tool and the objects where they touch; half of it is always kept. At least 2^-30
     /// of the scene's size.
     double clearance = 1e-5;
@@ -65,7 +69,7 @@ struct ToolRenderOptions {
 struct ToolContact {
     Vec3 position = Vec3::Zero(); ///< on the object
     Vec3 normal = Vec3::UnitZ();  ///< from the object to the tool, of length 1
-    std::uint32_t object = 0;     ///< its number in make_tool_renderer()'s list
+    std::uint32_t object = 0;     ///< its number in make_tool_renderer()'s list or in the scene
     TriangleId triangle{};        ///< of the object
     TriangleId tool_triangle{};
     double force = 0; ///< N, along the normal, of the springs without damping
@@ -73,8 +77,8 @@ struct ToolContact {
 
 /// How the proxy's motion of a tick ended.
 enum class ToolEnd : std::uint8_t {
-    settled,   ///< no pose nearer to the device can be reached
-    limited,   ///< the tick's moves are used up: the next tick goes on
+    settled, ///< no pose nearer to the device can be reached
+    limited, ///< the tick's moves are used up, or an object of a scene is behind: the next tick goes on
     cut_short, ///< likewise its work, max_work: the proxy moved only as far as was proven by then
     overloaded ///< more triangles are near than there is memory for: the proxy stays where it is
 };
@@ -89,6 +93,7 @@ struct ToolTick {
     RigidTransform proxy = {};           ///< of the tool, in the model's units and frame
     double force_scale = 1;              ///< 0 to 1: the ramps
     bool is_placed = true;               ///< false: the device began inside; nothing is touched
+    Hold hold = Hold::free;              ///< `sliding` in contact without friction
     std::array<ToolContact, 6> contacts; ///< what holds the proxy back
     std::size_t contact_count = 0;
     std::size_t moves = 0;          ///< of the proxy
@@ -126,11 +131,8 @@ public:
     [[nodiscard]] std::span<const RigidTransform> path() const noexcept;
 
 private:
-    friend Result<ToolRenderer> make_tool_renderer(const MeshIndex& tool,
-                                                   std::span<const ToolObject> objects,
-                                                   const WorkspaceMap& map,
-                                                   const DeviceLimits& device,
-                                                   const ToolRenderOptions& options);
+    friend class ToolSurfaceRenderer;
+    class TouchScene;
     explicit ToolRenderer(std::unique_ptr<ToolSurfaceRenderer> renderer) noexcept;
 
     std::unique_ptr<ToolSurfaceRenderer> renderer_; ///< not null but after a move
@@ -144,6 +146,18 @@ private:
 /// with_slabs, build_topology and build_enclosure. O(triangles log triangles).
 [[nodiscard]] Result<ToolRenderer> make_tool_renderer(const MeshIndex& tool,
                                                       std::span<const ToolObject> objects,
+                                                      const WorkspaceMap& map,
+                                                      const DeviceLimits& device,
+                                                      const ToolRenderOptions& options = {});
+
+/// Renders a tool that touches a scene, which must outlive the renderer, and whose objects each tick
+/// moves on for this tool. Objects have the friction of their materials, or without one that of the
+/// options; stiffness and damping are those of the options. A tool feels the bodies that objects have
+/// now: exchange(), deform() and textures are for points. An object that would squeeze the tool stays
+/// behind for it, as ToolEnd::limited tells, until there is room. Any thread, also while other
+/// renderers of the scene run. Errors: as above, and invalid_argument where the scene has
+/// max_scene_tools renderers.
+[[nodiscard]] Result<ToolRenderer> make_tool_renderer(const MeshIndex& tool, TouchScene& scene,
                                                       const WorkspaceMap& map,
                                                       const DeviceLimits& device,
                                                       const ToolRenderOptions& options = {});

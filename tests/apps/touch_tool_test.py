@@ -3,7 +3,7 @@ import unittest
 
 from proxima_program import ProgramTest
 
-KEYS = ["model", "triangles", "tool", "tool_triangles", "device", "ticks", "interrupted", "touching_ticks", "entered_ticks", "unplaced_ticks",
+KEYS = ["model", "triangles", "tool", "tool_triangles", "device", "ticks", "interrupted", "replay_differences", "touching_ticks", "entered_ticks", "unplaced_ticks",
         "limited_ticks", "cut_short_ticks", "overloaded_ticks", "max_near_pairs", "max_force", "max_torque", "max_spring_torque", "max_stretch",
         "clock", "processor", "missed_deadlines"]
 
@@ -23,6 +23,14 @@ class Tools(ProgramTest):
             self.assertEqual(result["max_torque"] > 0, torque > 0)
             self.assertLessEqual(result["max_torque"], torque)
 
+    def test_friction_holds_the_tool_back(self):
+        stretches = []
+        for friction in (0, 1):
+            result = self.json_of("touch", "torus:24x12", *self.session, "--friction", friction)
+            self.assertEqual(result["entered_ticks"], 0)
+            stretches.append(result["max_stretch"])
+        self.assertLess(stretches[0], stretches[1])
+
     def test_the_table_of_ticks(self):
         table = self.folder / "ticks.csv"
         result = self.json_of("touch", "torus:24x12", *self.session, "--max-torque", 1, "--ticks", table)
@@ -34,9 +42,26 @@ class Tools(ProgramTest):
             self.assertAlmostEqual(largest, result[key], places=6)
         self.assertEqual(sum(row["contacts"] > 0 for row in rows), result["touching_ticks"])
 
+    def test_a_recorded_session_replays_without_a_difference(self):
+        file, before, after = (self.folder / name for name in ("a.pxt", "before.csv", "after.csv"))
+        first = self.json_of("touch", "torus:24x12", *self.session, "--max-torque", 0.1, "--record", file, "--ticks", before)
+        tool = ("--tool", "cube", "--tool-scale", 0.1)
+        replay = ("--device", f"replay:{file}")
+        again = self.json_of("touch", "torus:24x12", *tool, *replay, "--ticks", after)
+        self.assertEqual((first["replay_differences"], again["replay_differences"]), (None, 0))
+        for key in ("model", "tool", "ticks", "touching_ticks", "max_force", "max_torque", "max_stretch"):
+            self.assertEqual(first[key], again[key])
+        self.assertEqual(before.read_bytes(), after.read_bytes())
+        self.refuse("touch", "torus:24x12", "--tool", "cube", "--tool-scale", 0.2, *replay, says="another model, tool")
+        self.refuse("touch", "cube", *tool, *replay, says="another model, tool")
+        for option, value in (("--max-work", 100), ("--friction", 1), ("--seconds", 2), ("--record", self.folder / "b.pxt")):
+            self.refuse("touch", "torus:24x12", *tool, *replay, option, value, says=option)
+        # Points and tools have recordings of their own.
+        self.refuse("touch", "torus:24x12", *replay, says="a.pxt")
+
     def test_what_does_not_go_together(self):
-        for option, value in (("--radius", 0.001), ("--friction", 0.1), ("--force", "penalty"), ("--guard", "off"),
-                              ("--record", self.folder / "a.pxt"), ("--picture", self.folder / "a.png"), ("--patch", 1),
+        for option, value in (("--radius", 0.001), ("--force", "penalty"), ("--guard", "off"),
+                              ("--picture", self.folder / "a.png"), ("--patch", 1),
                               ("--object", "cube"), ("--texture", "viscosity:1"), ("--engine", "udp:0"),
                               ("--method", "thesis"), ("--graphics-rate", 10), ("--collision-rate", 10)):
             self.refuse("touch", "cube", *self.session, option, value, says=(option, "--tool"))
@@ -50,7 +75,7 @@ class Tools(ProgramTest):
         self.refuse("touch", "cube", "--tool", "cube", "--device", "hand:press", "--seconds", 86400, "--ticks",
                     self.folder / "a.csv", says=("--ticks", "GB"))
         self.refuse("touch", "cube", "--device", "hand:press", "--turn", 3, says=("--turn", "--tool"))
-        self.refuse("touch", "cube", "--tool", "cube", "--device", "replay:x.pxt", says=("recordings", "--tool"))
+        self.refuse("touch", "cube", *self.session, "--record", self.folder / "a.txt", says=".pxt")
         self.refuse("touch", "cube", "--tool", "missing.obj", "--device", "hand:press", says=("missing.obj",))
 
 

@@ -129,7 +129,7 @@ private:
     {
         const auto normal = direction(scene, tool);
         if (!normal || count_ == contacts_.size()) return;
-        contacts_[count_++] = {scene, tool, *normal, (tool - scene).norm(), 0};
+        contacts_[count_++] = {scene, tool, *normal, (tool - scene).norm(), 0, 0};
     }
 
     void try_edges(std::size_t i, std::size_t k) noexcept

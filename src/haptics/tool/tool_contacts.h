@@ -23,6 +23,7 @@ struct FeatureContact {
     Vec3 normal = Vec3::UnitZ(); ///< from the scene to the tool, of length 1
     double gap = 0;              ///< their distance
     std::uint32_t pair = 0;
+    std::uint32_t object = 0;
 };
 
 /// The features of an object, and where it is.

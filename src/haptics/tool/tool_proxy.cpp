@@ -11,24 +11,11 @@ namespace {
 
 constexpr std::size_t max_pairs = 2048;
 constexpr std::size_t max_contacts = 1024;
-/// Lists with more pairs are followed by ones with half the margin, with fewer by ones with twice that.
-constexpr std::size_t many_pairs = 800;
-constexpr std::size_t few_pairs = 300;
-constexpr double least_margin_clearances = 2;
 constexpr int max_rounds = 6;
-/// The work of a list, and pairs that add a unit to it.
-constexpr std::size_t list_work = 100;
-constexpr std::size_t listed_pairs_per_work = 8;
-/// Pairs whose planes are looked at in a unit of work.
-constexpr std::size_t looks_per_work = 32;
-constexpr std::size_t contacts_work = 1;   ///< of the contacts of a pair
-constexpr std::size_t open_pairs_work = 2; ///< of planes for eight pairs
-/// The parts of a tick's work within which moves begin, and contacts are found. What is left is for
-/// the proof.
+/// Times that a move with objects is tried, each time shorter; then nothing moves.
+constexpr int max_shorter = 4;
+/// The part of a tick's work within which moves begin. What is left is for contacts and the proof.
 constexpr double begin_share = 0.5;
-constexpr double contacts_share = 0.75;
-/// Pairs that are nearer than so many clearances are among the constraints from the start.
-constexpr double near_clearances = 2;
 /// Lists reach at least so many clearances farther than the tool is going to move.
 constexpr double margin_clearances = 10;
 /// A motion that is shorter than so many clearances settles the proxy.
@@ -38,31 +25,20 @@ constexpr double gain_clearances = 0.02;
 /// The part of a motion that is made at least.
 constexpr double least_part = 0.05;
 constexpr double constraint_tolerance = 1e-4; ///< clearances
-
-/// The pose of the tool in the frame of an object.
-RigidTransform relative_pose(const RigidTransform& object, const RigidTransform& tool) noexcept
-{
-    const Mat3 back = object.rotation.transpose();
-    return {back * tool.rotation, back * (tool.translation - object.translation)};
-}
+/// A contact slides that slips by more than so many clearances in a motion.
+constexpr double least_slip = 1e-3;
+/// Contacts that the solver with friction takes in a unit of work, in each of its steps.
+constexpr std::size_t friction_contacts_per_work = 32;
 
 } // namespace
 
-Result<RigidBody> RigidBody::build(const MeshIndex& index, const RigidTransform& pose)
-{
-    auto with = with_slabs(index);
-    if (!with) return tl::unexpected(with.error());
-    auto features = ContactFeatures::build(*with);
-    if (!features) return tl::unexpected(features.error());
-    const auto inside = build_enclosure(*with);
-    if (!inside) return tl::unexpected(inside.error());
-    return RigidBody{*with, std::move(*features), *inside, pose};
-}
-
-ToolProxy::ToolProxy(RigidBody tool, std::vector<RigidBody> objects,
+ToolProxy::ToolProxy(RigidBody tool, std::vector<SeenObject> objects,
                      const ToolProxyOptions& options)
     : tool_(std::move(tool)), objects_(std::move(objects)), options_(options),
-      base_margin_(margin_clearances * options.clearance), most_margin_(base_margin_)
+      base_margin_(margin_clearances * options.clearance), most_margin_(base_margin_),
+      friction_(
+          {.turning_length = options.turning_length, .least_slip = least_slip * options.clearance},
+          max_contacts)
 {
     options_.max_moves = std::min(options_.max_moves, most_moves);
     rows_.resize(max_pairs);
@@ -71,14 +47,25 @@ ToolProxy::ToolProxy(RigidBody tool, std::vector<RigidBody> objects,
     open_.resize(max_pairs);
     contacts_.resize(max_contacts);
     constraints_.resize(max_contacts);
+    object_paths_.resize(objects_.size() * (most_moves + 1));
+}
+
+void ToolProxy::set_object(std::size_t object, const RigidTransform& pose,
+                           const Friction& friction) noexcept
+{
+    objects_[object].goal = pose;
+    objects_[object].friction = friction;
 }
 
 bool ToolProxy::place(const RigidTransform& pose) noexcept
 {
-    for (const RigidBody& object : objects_) {
-        const RigidTransform relative = relative_pose(object.pose, pose);
-        if (meshes_intersect(object.index, tool_.index, relative)) return false;
-        const ContainmentAnswer answer = find_containment(object.inside, tool_.inside, relative);
+    for (SeenObject& object : objects_) {
+        object.pose = object.goal;
+        object.look_at(pose);
+        const RigidBody& body = object.body;
+        if (meshes_intersect(body.index, tool_.index, object.relative)) return false;
+        const ContainmentAnswer answer =
+            find_containment(body.inside, tool_.inside, object.relative);
         // Open meshes have no inside.
         if (answer.containment != Containment::none &&
             answer.method != InsideMethod::winding_number)
@@ -88,18 +75,22 @@ bool ToolProxy::place(const RigidTransform& pose) noexcept
     bool is_free = list_pairs_once(base_margin_);
     if (is_free) {
         const double least = 0.5 * options_.clearance;
-        std::size_t open = 0;
-        for (NearPair& pair : std::span(pairs_).first(pair_count_))
-            if (!(plane_gap(pair, pose_) >= least)) open_[open++] = &pair;
-        const auto too_near = std::span(open_).first(open);
-        set_closest_planes(too_near, pose_);
-        is_free = std::ranges::all_of(
-            too_near, [&](const NearPair* pair) { return plane_gap(*pair, pose_) >= least; });
+        for (const SeenObject& object : objects_) {
+            std::size_t open = 0;
+            for (std::uint32_t i = object.first_pair; i < object.end_pair; ++i)
+                if (!(plane_gap(pairs_[i], object.relative) >= least)) open_[open++] = &pairs_[i];
+            const auto too_near = std::span(open_).first(open);
+            set_closest_planes(too_near, object.relative);
+            is_free = is_free && std::ranges::all_of(too_near, [&](const NearPair* pair) {
+                          return plane_gap(*pair, object.relative) >= least;
+                      });
+        }
     }
     if (!is_free) {
         pose_ = before;
         list_margin_ = -1;
     }
+    friction_.restart();
     held_count_ = 0;
     path_count_ = 0;
     last_length_ = 0;
@@ -107,169 +98,85 @@ bool ToolProxy::place(const RigidTransform& pose) noexcept
     return is_free;
 }
 
-/// Lists all pairs within the margin of each other where the tool is; false where there is no room
-/// for them.
-bool ToolProxy::list_pairs_once(double margin) noexcept
+bool ToolProxy::is_behind() const noexcept
 {
-    pair_count_ = 0;
-    list_margin_ = -1;
-    for (std::size_t at = 0; at < objects_.size(); ++at) {
-        const RigidBody& object = objects_[at];
-        const NearRowsAnswer near =
-            near_rows(object.index, tool_.index, relative_pose(object.pose, pose_), margin,
-                      std::span(rows_).subspan(pair_count_));
-        effort_.spent += list_work + near.count / listed_pairs_per_work;
-        if (!near.complete) return false;
-        for (std::size_t i = 0; i < near.count; ++i) {
-            NearPair& pair = pairs_[pair_count_ + i];
-            const NearRows& rows = rows_[pair_count_ + i];
-            pair.contacts = PairContacts::none;
-            pair.reach = 0;
-            pair.scene = object.pose(object.index.parts().triangle(rows.a));
-            pair.tool = tool_.index.parts().triangle(rows.b);
-            for (const Vec3& corner : pair.tool.vertices)
-                pair.reach = std::max(pair.reach, corner.norm());
-            pair.scene_row = rows.a;
-            pair.tool_row = rows.b;
-            pair.object = static_cast<std::uint32_t>(at);
-            set_normal(pair, object.pose.rotation * rows.across);
-            apart_until_[pair_count_ + i] = travelled_;
-        }
-        pair_count_ += near.count;
+    return std::ranges::any_of(objects_, [](const SeenObject& each) { return each.is_behind(); });
+}
+
+/// How far objects that are behind have to move at most, as points of the tool see it.
+double ToolProxy::way_of_objects() const noexcept
+{
+    double longest = 0;
+    for (const SeenObject& object : objects_) {
+        if (!object.is_behind()) continue;
+        const double reach = (pose_.translation - object.pose.translation).norm();
+        longest = std::max(
+            longest,
+            twist_between(object.pose, object.goal).path_length(reach + tool_.features.reach()));
     }
-    list_pose_ = pose_;
-    list_margin_ = margin;
-    ++work_.lists;
-    work_.pairs = std::max(work_.pairs, pair_count_);
-    return true;
+    return longest;
 }
 
-/// Like list_pairs_once, within a margin that keeps lists short: the more pairs the last list had, the
-/// smaller, and ever smaller where there is no room.
-bool ToolProxy::list_pairs(double margin) noexcept
+/// Objects that are behind step by a part of what is left, in the next move.
+void ToolProxy::step_objects(double part) noexcept
 {
-    const double least = least_margin_clearances * options_.clearance;
-    margin = std::min(margin, most_margin_);
-    while (margin >= least) {
-        if (!list_pairs_once(margin)) {
-            margin /= 2;
-            most_margin_ = std::max(margin, least);
-            continue;
-        }
-        if (pair_count_ > many_pairs) most_margin_ = std::max(0.5 * margin, least);
-        if (pair_count_ < few_pairs) most_margin_ = std::max(2 * margin, most_margin_);
-        return true;
-    }
-    return false;
-}
-
-/// How far points of the tool may still move before a pair that is not listed could be too near.
-double ToolProxy::room() const noexcept
-{
-    if (list_margin_ < 0) return -1;
-    const double moved = twist_between(list_pose_, pose_).path_length(tool_.features.reach());
-    return list_margin_ - options_.clearance - moved;
-}
-
-/// Takes the contacts of a pair whose gap is more than `nearest` and at most `farthest`; false where
-/// what is left of the tick's work is for the proof.
-bool ToolProxy::add_contacts(std::uint32_t pair, double nearest, double farthest) noexcept
-{
-    if (!effort_.begin(contacts_work, contacts_share)) return false;
-    const RigidBody& object = objects_[pairs_[pair].object];
-    const std::span<FeatureContact> free = std::span(contacts_).subspan(contact_count_);
-    const std::size_t found = find_contacts(pairs_[pair], {&object.features, object.pose},
-                                            {&tool_.features, pose_}, farthest, free);
-    for (const FeatureContact& contact : free.first(found)) {
-        if (!(contact.gap > nearest)) continue;
-        contacts_[contact_count_] = contact;
-        contacts_[contact_count_++].pair = pair;
-    }
-    return true;
-}
-
-/// Takes the contacts of all pairs that are near.
-void ToolProxy::collect_near() noexcept
-{
-    contact_count_ = 0;
-    const double near = near_clearances * options_.clearance;
-    effort_.spent += pair_count_ / looks_per_work;
-    bool has_room = true;
-    for (std::uint32_t i = 0; i < pair_count_; ++i) {
-        NearPair& pair = pairs_[i];
-        pair.contacts = PairContacts::none;
-        if (apart_until_[i] > travelled_ + near) continue;
-        if (pair.normal.isZero(0)) {
-            NearPair* const without_plane = &pair;
-            set_closest_planes(std::span(&without_plane, 1), pose_);
-        }
-        const double gap = plane_gap(pair, pose_);
-        apart_until_[i] = travelled_ + gap;
-        if (gap > near) continue;
-        pair.contacts = PairContacts::near;
-        has_room = has_room && add_contacts(i, 0, near);
+    objects_move_ = false;
+    for (SeenObject& object : objects_) {
+        object.begin_step(part);
+        objects_move_ = objects_move_ || object.moves;
     }
 }
 
-/// Lists the pairs of which no known plane keeps a gap of `least` all the motion long, but for those
-/// whose contacts are all among the constraints.
-std::span<NearPair*> ToolProxy::open_pairs(const ToolMotion& motion, double least,
-                                           OpenPairs which) noexcept
+/// A part of a twist with that part of the objects' steps, as all objects see it.
+ToolProxy::Move ToolProxy::make_move(const Twist& twist, double part) noexcept
 {
-    const double length = motion.twist.path_length(tool_.features.reach());
-    effort_.spent += pair_count_ / looks_per_work;
-    std::size_t count = 0;
-    for (std::uint32_t i = 0; i < pair_count_; ++i) {
-        if (apart_until_[i] >= travelled_ + length + least) continue;
-        NearPair& pair = pairs_[i];
-        if (which == OpenPairs::unconstrained && pair.contacts == PairContacts::all) continue;
-        if (!stays_apart(pair, motion, least)) open_[count++] = &pair;
+    const double reach = tool_.features.reach();
+    Move result = {part < 1 ? twist.scaled(part) : twist, moved_by(pose_, twist, part), 0};
+    result.length = result.twist.path_length(reach);
+    for (SeenObject& object : objects_) {
+        object.set_motion(twist, result.to, part);
+        if (object.moves)
+            result.length = std::max(result.length, object.motion.twist.path_length(reach));
     }
-    // A plane that serves one pair often serves its neighbours.
-    std::size_t left = 0;
-    Vec3 direction = Vec3::Zero();
-    for (std::size_t first = 0; first < count; first += closest_planes_at_once) {
-        const std::size_t begin = left;
-        const std::size_t end = std::min(first + closest_planes_at_once, count);
-        if (!effort_.begin(open_pairs_work, which == OpenPairs::all ? 1 : contacts_share)) {
-            // What nobody had time to look at stays open to the proof.
-            while (which == OpenPairs::all && first < count) open_[left++] = open_[first++];
-            break;
-        }
-        for (std::size_t i = first; i < end; ++i)
-            if (!find_plane(*open_[i], motion, least, direction)) open_[left++] = open_[i];
-        const auto closest = std::span(open_).subspan(begin, left - begin);
-        set_closest_planes(closest, motion.from);
-        left = begin;
-        for (NearPair* const pair : closest) {
-            if (!pair->normal.isZero(0)) direction = pair->normal;
-            if (!stays_apart(*pair, motion, least)) open_[left++] = pair;
-        }
-    }
-    return std::span(open_).first(left);
+    return result;
 }
 
-/// Takes the contacts of all other pairs that the motion would bring too near; false where there are
-/// none.
-bool ToolProxy::collect_hit(const ToolMotion& motion) noexcept
+void ToolProxy::keep_path() noexcept
 {
-    const std::size_t before = contact_count_;
-    const double farthest = list_margin_ + motion.twist.path_length(tool_.features.reach());
-    const double near = near_clearances * options_.clearance;
-    for (NearPair* const pair :
-         open_pairs(motion, 0.95 * options_.clearance, OpenPairs::unconstrained)) {
-        const auto number = static_cast<std::uint32_t>(pair - pairs_.data());
-        if (!add_contacts(number, pair->contacts == PairContacts::near ? near : 0, farthest)) break;
-        pair->contacts = PairContacts::all;
-    }
-    return contact_count_ > before;
+    for (std::size_t i = 0; i < objects_.size(); ++i)
+        object_paths_[i * (most_moves + 1) + path_count_] = objects_[i].pose;
+    path_[path_count_++] = pose_;
 }
 
-/// The motion nearest to the wanted one that all contacts allow.
+Hold ToolProxy::hold() const noexcept
+{
+    if (held_count_ == 0) return Hold::free;
+    return has_friction() ? friction_.hold() : Hold::sliding;
+}
+
+bool ToolProxy::has_friction() const noexcept
+{
+    return std::ranges::any_of(objects_,
+                               [](const SeenObject& each) { return each.friction.fixed > 0; });
+}
+
+void ToolProxy::solve_constraints(const Vec6& wanted) noexcept
+{
+    const auto constraints = std::span<const MotionConstraint>(constraints_).first(contact_count_);
+    const double tolerance = constraint_tolerance * options_.clearance;
+    if (!has_friction()) {
+        solution_ = least_constraint(wanted, constraints, tolerance);
+        return;
+    }
+    solution_ = friction_.solve(wanted, pose_, objects_, std::span(contacts_).first(contact_count_),
+                                constraints, tolerance);
+    effort_.spent += friction_.steps() * (1 + contact_count_ / friction_contacts_per_work);
+}
+
+/// The motion nearest to the wanted one that all contacts and their friction allow.
 Twist ToolProxy::solve(const Vec6& wanted) noexcept
 {
     const double length = options_.turning_length;
-    const double tolerance = constraint_tolerance * options_.clearance;
     work_.contacts = std::max(work_.contacts, contact_count_);
     const auto constraints = std::span(constraints_).first(contact_count_);
     for (std::size_t i = 0; i < contact_count_; ++i) {
@@ -278,12 +185,15 @@ Twist ToolProxy::solve(const Vec6& wanted) noexcept
         constraints[i].direction.head<3>() = contact.normal;
         constraints[i].direction.tail<3>() = arm.cross(contact.normal) / length;
         constraints[i].bound = options_.clearance - contact.gap;
+        const SeenObject& object = objects_[contact.object];
+        if (object.moves)
+            constraints[i].bound += contact.normal.dot(object.displacement(contact.scene_point));
     }
-    solution_ = least_constraint(wanted, constraints, tolerance);
+    solve_constraints(wanted);
     if (!solution_.solved) {
         // There may be no room for the whole clearance: then no contact may come nearer.
         for (MotionConstraint& each : constraints) each.bound = std::min(each.bound, 0.0);
-        solution_ = least_constraint(wanted, constraints, tolerance);
+        solve_constraints(wanted);
     }
     if (!solution_.solved) {
         solution_ = {};
@@ -292,8 +202,8 @@ Twist ToolProxy::solve(const Vec6& wanted) noexcept
     return {solution_.motion.head<3>(), solution_.motion.tail<3>() / length};
 }
 
-/// What the proxy's pose costs: the springs' energy, and what it takes to restore the clearance at the
-/// contacts, twice as steep as they press (an exact penalty).
+/// What the proxy's pose costs: the springs' energy, what friction takes on the way, and what it takes to
+/// restore the clearance at the contacts, twice as steep as they press (an exact penalty).
 double ToolProxy::cost(const RigidTransform& pose, const Vec6& wanted,
                        double steepness) const noexcept
 {
@@ -304,15 +214,17 @@ double ToolProxy::cost(const RigidTransform& pose, const Vec6& wanted,
         const double gap = contact.normal.dot(point - contact.scene_point);
         short_of += std::max(options_.clearance - gap, 0.0);
     }
-    return 0.5 * wanted.squaredNorm() + steepness * short_of;
+    const double lost = has_friction() ? friction_.loss(pose) : 0;
+    return 0.5 * wanted.squaredNorm() + steepness * short_of + lost;
 }
 
 /// The part of the motion that lowers the cost the most: all of it but where the tool's arcs leave
 /// the contacts' planes by more than the motion gains. By the parabola through the cost at both ends
 /// with the slope at the beginning.
-double ToolProxy::useful_part(const ToolMotion& motion, const Vec6& wanted) const noexcept
+double ToolProxy::useful_part(const Move& motion, const Vec6& wanted) const noexcept
 {
-    if (contact_count_ == 0) return 1;
+    // Objects do not wait.
+    if (contact_count_ == 0 || objects_move_) return 1;
     double steepness = 0;
     for (std::size_t k = 0; k < solution_.active_count; ++k)
         steepness = std::max(steepness, 2 * solution_.pressure[k]);
@@ -324,36 +236,51 @@ double ToolProxy::useful_part(const ToolMotion& motion, const Vec6& wanted) cons
     Vec6 after;
     after.head<3>() = left.linear;
     after.tail<3>() = length * left.angular;
-    const double begin = cost(motion.from, wanted, steepness);
+    const double begin = cost(pose_, wanted, steepness);
     const double end = cost(motion.to, after, steepness);
-    const double slope = -wanted.dot(step) - (begin - 0.5 * wanted.squaredNorm());
+    const double lost = has_friction() ? friction_.loss(step) : 0;
+    const double slope = lost - wanted.dot(step) - (begin - 0.5 * wanted.squaredNorm());
     const double bend = end - begin - slope;
     if (!(slope < 0) || !(bend > 0)) return 1;
     return std::clamp(-0.5 * slope / bend, least_part, 1.0);
 }
 
-/// What of that part of the motion surely passes nothing: a contact that the constraints do not have
-/// is stopped at before it is too near.
-double ToolProxy::proven_part(const ToolMotion& motion, double part) noexcept
+/// Moves tool and objects by what of that part of the move was proven to pass nothing. Returns the part.
+double ToolProxy::make_proven(const Move& motion, double part) noexcept
 {
-    const double clearance = options_.clearance;
-    const GapLimits limits = {0.95 * clearance, 0.9 * clearance, 0.5 * clearance};
-    ToolMotion wanted = motion;
-    if (part < 1) {
-        wanted.twist = motion.twist.scaled(part);
-        wanted.to = moved_by(pose_, motion.twist, part);
+    Move made = part < 1 ? make_move(motion.twist, part) : motion;
+    double proven = proven_part();
+    if (objects_move_) {
+        // A part of a move is not that part of the twists that objects see: it is proven anew.
+        for (int shorter = 0; proven < 1 && shorter < max_shorter; ++shorter) {
+            part = shorter + 1 < max_shorter ? 0.9 * proven * part : 0;
+            made = make_move(motion.twist, part);
+            proven = part > 0 ? proven_part() : 1;
+        }
+    } else if (proven < 1) {
+        part *= proven;
+        made = make_move(motion.twist, part);
     }
-    return part *
-           free_part(open_pairs(wanted, limits.wanted, OpenPairs::all), wanted, limits, effort_);
+    pose_ = made.to;
+    for (SeenObject& object : objects_) {
+        object.pose = object.stepped(part);
+        object.look_at(pose_);
+    }
+    const double length = objects_move_ ? made.length : part * motion.length;
+    last_length_ += length;
+    travelled_ += length;
+    keep_path();
+    return part;
 }
 
-void ToolProxy::hold(const ConstrainedMotion& motion) noexcept
+void ToolProxy::hold_back(const ConstrainedMotion& motion) noexcept
 {
     held_count_ = motion.active_count;
     for (std::size_t k = 0; k < held_count_; ++k) {
         const FeatureContact& contact = contacts_[motion.active[k]];
         const NearPair& pair = pairs_[contact.pair];
-        held_[k] = {contact, pair.object, objects_[pair.object].index.parts().id(pair.scene_row),
+        const MeshIndex& index = objects_[pair.object].body.index;
+        held_[k] = {contact, pair.object, index.parts().id(pair.scene_row),
                     tool_.index.parts().id(pair.tool_row), motion.pressure[k]};
     }
 }
@@ -361,46 +288,47 @@ void ToolProxy::hold(const ConstrainedMotion& motion) noexcept
 /// One move towards the device.
 ToolProxy::MoveEnd ToolProxy::move(const Twist& wanted) noexcept
 {
-    const double reach = tool_.features.reach();
     Vec6 free;
     free.head<3>() = wanted.linear;
     free.tail<3>() = options_.turning_length * wanted.angular;
+    double steps = 1; // part of the objects' ways
+    step_objects(steps);
     collect_near();
-    Twist twist = solve(free);
-    double length = twist.path_length(reach);
-    ToolMotion motion;
+    Move motion = make_move(solve(free), 1);
     for (int round = 0;; ++round) {
         const double space = room();
-        if (length > space) {
-            const double margin = base_margin_ + 1.5 * length;
+        if (motion.length > space) {
+            const double margin = base_margin_ + 1.5 * motion.length;
             if (list_margin_ < std::min(margin, most_margin_) && work_.lists < options_.max_lists) {
                 if (!list_pairs(margin)) return MoveEnd::overloaded;
                 collect_near();
-                twist = solve(free);
-                length = twist.path_length(reach);
+                motion = make_move(solve(free), 1);
                 continue;
             }
-            twist = twist.scaled(std::max(space, 0.0) / length);
-            length = twist.path_length(reach);
+            const double part = std::max(space, 0.0) / motion.length;
+            steps *= part;
+            if (objects_move_) step_objects(steps);
+            motion = make_move(motion.twist.scaled(part), 1);
         }
-        motion = {pose_, moved_by(pose_, twist, 1), twist};
         if (!collect_hit(motion) || round >= max_rounds || effort_.cut_short) break;
-        twist = solve(free);
-        length = twist.path_length(reach);
+        motion = make_move(solve(free), 1);
     }
-    const double part = proven_part(motion, useful_part(motion, free));
-    hold(solution_);
-    pose_ = part < 1 ? moved_by(pose_, twist, part) : motion.to;
-    path_[path_count_++] = pose_;
-    last_length_ += part * length;
-    travelled_ += part * length;
+    // Friction holds the tool: it rests, and does not creep by what the solver rounds.
+    if (has_friction() && solution_.solved && !is_behind() &&
+        motion.length < constraint_tolerance * options_.clearance) {
+        hold_back(solution_);
+        return MoveEnd::settled;
+    }
+    const double part = make_proven(motion, useful_part(motion, free));
+    hold_back(solution_);
     const double settled = settled_clearances * options_.clearance;
     Vec6 left;
     const Twist rest = twist_between(pose_, device_);
     left.head<3>() = rest.linear;
     left.tail<3>() = options_.turning_length * rest.angular;
     const bool gains = std::abs(left.norm() - free.norm()) > gain_clearances * options_.clearance;
-    const bool goes_on = !solution_.solved || (length > settled && (gains || part < least_part));
+    const bool goes_on = !solution_.solved || objects_move_ || is_behind() ||
+                         (motion.length > settled && (gains || part < least_part));
     return goes_on ? MoveEnd::goes_on : MoveEnd::settled;
 }
 
@@ -410,7 +338,7 @@ void ToolProxy::follow(const RigidTransform& device) noexcept
     effort_ = {.most = options_.max_work};
     device_ = device;
     path_count_ = 0;
-    path_[path_count_++] = pose_;
+    keep_path();
     end_ = approach();
     if (end_ != ToolEnd::overloaded && effort_.cut_short) end_ = ToolEnd::cut_short;
     work_.spent = effort_.spent;
@@ -424,7 +352,7 @@ ToolEnd ToolProxy::approach() noexcept
     int still = 0; // moves in a row that came no nearer
     while (work_.moves < options_.max_moves && still < 2 && effort_.begin(0, begin_share)) {
         const Twist wanted = twist_between(pose_, device_);
-        const double length = wanted.path_length(reach);
+        const double length = wanted.path_length(reach) + way_of_objects();
         if (room() < std::min(length, options_.clearance)) {
             if (work_.lists == options_.max_lists) return ToolEnd::limited;
             if (!list_pairs(base_margin_ + std::min(length, expected))) return ToolEnd::overloaded;
@@ -437,6 +365,7 @@ ToolEnd ToolProxy::approach() noexcept
             last_length_ - before >= length * (1 - 1e-12)) {
             pose_ = device_;
             path_[path_count_ - 1] = pose_;
+            for (SeenObject& object : objects_) object.look_at(pose_);
             return ToolEnd::settled;
         }
         if (end == MoveEnd::settled) return ToolEnd::settled;

@@ -4,21 +4,24 @@
 //     list       pairs of triangles within a margin of each other: no other pair can meet before the
 //                tool has moved that far
 //     contacts   of the pairs that the motion would bring too near
-//     motion     the nearest to the wanted one that keeps all contacts apart (least_constraint.h)
+//     motion     the nearest to the wanted one that keeps all contacts apart (least_constraint.h),
+//                with friction at the contacts (tool_friction.h)
 //     advance    as far as it was proven to pass nothing (triangle_separation.h)
 //
 // A tick repeats this until the proxy has come as near to the device as it can, or its moves are used
 // up: then the next tick goes on. The surfaces keep `clearance` apart, and half of it at the least.
+//
+// Objects that move do so with the tool (seen_object.h): constraints and proof are of the tool's motion
+// as each object sees it.
 #pragma once
 
-#include "haptics/tool/contact_features.h"
 #include "haptics/tool/least_constraint.h"
 #include "haptics/tool/rigid_motion.h"
+#include "haptics/tool/seen_object.h"
 #include "haptics/tool/tool_contacts.h"
+#include "haptics/tool/tool_friction.h"
 #include "haptics/tool/triangle_separation.h"
 #include "proxima/geometry.h"
-#include "proxima/intersect_meshes.h"
-#include "proxima/mesh_index.h"
 #include "proxima/tool_renderer.h"
 #include "query/distance/near_rows.h"
 
@@ -29,18 +32,6 @@
 #include <vector>
 
 namespace proxima {
-
-/// A mesh of a scene or a tool, with all that contacts need of it.
-struct RigidBody {
-    MeshIndex index;
-    ContactFeatures features;
-    Enclosure inside;
-    RigidTransform pose = {}; ///< of the tool: unused
-
-    /// Errors: those of with_slabs, ContactFeatures::build and build_enclosure.
-    [[nodiscard]] static Result<RigidBody> build(const MeshIndex& index,
-                                                 const RigidTransform& pose);
-};
 
 struct ToolProxyOptions {
     double clearance = 1e-5;   ///< in the model's unit
@@ -71,7 +62,11 @@ struct ToolWork {
 /// One thread. noexcept and without allocation but for the constructor.
 class ToolProxy {
 public:
-    ToolProxy(RigidBody tool, std::vector<RigidBody> objects, const ToolProxyOptions& options);
+    ToolProxy(RigidBody tool, std::vector<SeenObject> objects, const ToolProxyOptions& options);
+
+    /// Says where an object is from the next tick on, and its friction.
+    void set_object(std::size_t object, const RigidTransform& pose,
+                    const Friction& friction) noexcept;
 
     /// Puts the tool there. Returns false, and leaves the proxy where it was, where it is within half
     /// the clearance of an object or inside a closed one, or an object inside a closed tool.
@@ -82,18 +77,25 @@ public:
 
     [[nodiscard]] const RigidTransform& pose() const noexcept { return pose_; }
     [[nodiscard]] ToolEnd end() const noexcept { return end_; }
+    [[nodiscard]] Hold hold() const noexcept;
     [[nodiscard]] const ToolWork& work() const noexcept { return work_; }
     [[nodiscard]] std::span<const HeldContact> contacts() const noexcept
     {
         return std::span(held_).first(held_count_);
     }
-    [[nodiscard]] const RigidBody& tool() const noexcept { return tool_; }
-    [[nodiscard]] std::span<const RigidBody> objects() const noexcept { return objects_; }
+    [[nodiscard]] std::span<const SeenObject> objects() const noexcept { return objects_; }
 
     /// Poses of the last tick, with twists between them that pass nothing.
     [[nodiscard]] std::span<const RigidTransform> path() const noexcept
     {
         return std::span(path_).first(path_count_);
+    }
+
+    /// Where the tool saw an object at each pose of the path. In the object's frame the tool makes
+    /// the twists between its relative poses.
+    [[nodiscard]] std::span<const RigidTransform> object_path(std::size_t object) const noexcept
+    {
+        return std::span(object_paths_).subspan(object * (most_moves + 1), path_count_);
     }
 
     static constexpr std::size_t most_moves = 32;
@@ -102,32 +104,47 @@ private:
     enum class OpenPairs : std::uint8_t { all, unconstrained };
     enum class MoveEnd : std::uint8_t { settled, goes_on, overloaded };
 
+    /// A motion of the tool and of the objects that move.
+    struct Move {
+        Twist twist;       ///< of the tool
+        RigidTransform to; ///< its pose at the end
+        double length = 0; ///< that its points move at most, as any object sees them
+    };
+
+    [[nodiscard]] bool has_friction() const noexcept;
     [[nodiscard]] bool list_pairs(double margin) noexcept;
     [[nodiscard]] bool list_pairs_once(double margin) noexcept;
     [[nodiscard]] double room() const noexcept;
+    [[nodiscard]] bool is_behind() const noexcept;
+    [[nodiscard]] double way_of_objects() const noexcept;
+    void step_objects(double part) noexcept;
+    [[nodiscard]] Move make_move(const Twist& twist, double part) noexcept;
+    [[nodiscard]] double make_proven(const Move& motion, double part) noexcept;
+    void keep_path() noexcept;
     [[nodiscard]] bool add_contacts(std::uint32_t pair, double nearest, double farthest) noexcept;
     void collect_near() noexcept;
-    [[nodiscard]] std::span<NearPair*> open_pairs(const ToolMotion& motion, double least,
+    [[nodiscard]] std::span<NearPair*> open_pairs(const SeenObject& object, double least,
                                                   OpenPairs which) noexcept;
-    [[nodiscard]] bool collect_hit(const ToolMotion& motion) noexcept;
+    [[nodiscard]] bool collect_hit(const Move& motion) noexcept;
+    void solve_constraints(const Vec6& wanted) noexcept;
     [[nodiscard]] Twist solve(const Vec6& wanted) noexcept;
-    [[nodiscard]] double proven_part(const ToolMotion& motion, double part) noexcept;
+    [[nodiscard]] double proven_part() noexcept;
     [[nodiscard]] MoveEnd move(const Twist& wanted) noexcept;
     [[nodiscard]] ToolEnd approach() noexcept;
     [[nodiscard]] double cost(const RigidTransform& pose, const Vec6& wanted,
                               double steepness) const noexcept;
-    [[nodiscard]] double useful_part(const ToolMotion& motion, const Vec6& wanted) const noexcept;
-    void hold(const ConstrainedMotion& motion) noexcept;
+    [[nodiscard]] double useful_part(const Move& motion, const Vec6& wanted) const noexcept;
+    void hold_back(const ConstrainedMotion& motion) noexcept;
 
     RigidBody tool_;
-    std::vector<RigidBody> objects_;
+    std::vector<SeenObject> objects_;
     ToolProxyOptions options_;
     double base_margin_;
     RigidTransform pose_;
     RigidTransform device_;
-    RigidTransform list_pose_;
-    double list_margin_ = -1; ///< none yet
-    double most_margin_;      ///< of the next list, so that it is short
+    double list_margin_ = -1;   ///< none yet
+    bool objects_move_ = false; ///< in this move
+    double most_margin_;        ///< of the next list, so that it is short
     std::vector<NearRows> rows_;
     std::vector<NearPair> pairs_;
     std::size_t pair_count_ = 0;
@@ -138,9 +155,11 @@ private:
     std::vector<FeatureContact> contacts_;
     std::size_t contact_count_ = 0;
     std::vector<MotionConstraint> constraints_;
+    ToolFriction friction_;
     std::array<HeldContact, 6> held_;
     std::size_t held_count_ = 0;
     std::array<RigidTransform, most_moves + 1> path_;
+    std::vector<RigidTransform> object_paths_; ///< by object, most_moves + 1 each
     std::size_t path_count_ = 0;
     ConstrainedMotion solution_;
     double last_length_ = 0; ///< of the last tick's path

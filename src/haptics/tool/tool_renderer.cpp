@@ -3,10 +3,15 @@
 #include "base/text.h"
 #include "haptics/device/check_numbers.h"
 #include "haptics/force/contact_force.h"
+#include "haptics/scene/scene_views.h"
+#include "haptics/scene/touch_access.h"
 #include "haptics/tool/tool_proxy.h"
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
+#include <memory>
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -83,6 +88,12 @@ Status check_tool_settings(const WorkspaceMap& map, const DeviceLimits& device,
                            options.max_work),
                     "max_work");
     }
+    if (options.dynamic_friction > options.static_friction) {
+        return fail(ErrorCode::invalid_argument,
+                    concat("dynamic_friction must be at most static_friction, ",
+                           options.static_friction, ", not ", options.dynamic_friction),
+                    "dynamic_friction");
+    }
     return check_not_negative({{"max_damping", device.max_damping},
                                {"max_torque", device.max_torque},
                                {"damping", options.force.damping},
@@ -91,6 +102,8 @@ Status check_tool_settings(const WorkspaceMap& map, const DeviceLimits& device,
                                {"loss_seconds", options.force.loss_seconds},
                                {"torsional_stiffness", options.torsional_stiffness},
                                {"torsional_damping", options.torsional_damping},
+                               {"static_friction", options.static_friction},
+                               {"dynamic_friction", options.dynamic_friction},
                                {"max_torque_slew", options.max_torque_slew},
                                {"max_jump", options.max_jump},
                                {"max_turn", options.max_turn}});
@@ -98,11 +111,11 @@ Status check_tool_settings(const WorkspaceMap& map, const DeviceLimits& device,
 
 /// Error where the scene is so large that the clearance is lost in rounding.
 Status check_clearance(const ToolProxyOptions& options, const RigidBody& tool,
-                       std::span<const RigidBody> objects)
+                       std::span<const SeenObject> objects, double scene_size)
 {
-    double size = tool.features.reach();
-    for (const RigidBody& object : objects) {
-        const Box& box = object.features.bounds();
+    double size = std::max(tool.features.reach(), scene_size);
+    for (const SeenObject& object : objects) {
+        const Box& box = object.body.features.bounds();
         size = std::max({size, object.pose.translation.norm(), box.lower.norm(), box.upper.norm()});
     }
     if (!(size < most_coordinate)) {
@@ -118,6 +131,14 @@ Status check_clearance(const ToolProxyOptions& options, const RigidBody& tool,
                 "clearance");
 }
 
+/// An object's own friction, or that of the options.
+Friction friction_of(const std::optional<SurfaceMaterial>& material,
+                     const ToolRenderOptions& options) noexcept
+{
+    if (material) return {material->static_friction, material->dynamic_friction};
+    return {options.static_friction, options.dynamic_friction};
+}
+
 bool is_usable(const RigidTransform& pose) noexcept
 {
     return (pose.translation.array().abs() <= most_coordinate).all() &&
@@ -128,16 +149,24 @@ bool is_usable(const RigidTransform& pose) noexcept
 
 } // namespace
 
-/// The implementation of ToolRenderer: proxy, springs and guards.
+/// The implementation of ToolRenderer: proxy, springs and guards. With a view of a scene each tick moves
+/// its objects.
 class PROXIMA_HIDDEN ToolSurfaceRenderer {
 public:
-    ToolSurfaceRenderer(RigidBody tool, std::vector<RigidBody> objects, const WorkspaceMap& map,
-                        const DeviceLimits& device, const ToolRenderOptions& options)
-        : map_(map), options_(options), gives_torque_(device.max_torque > 0),
+    ToolSurfaceRenderer(RigidBody tool, std::vector<SeenObject> objects, SceneView view,
+                        const WorkspaceMap& map, const DeviceLimits& device,
+                        const ToolRenderOptions& options)
+        : view_(std::move(view)), map_(map), options_(options),
+          gives_torque_(device.max_torque > 0),
           proxy_(std::move(tool), std::move(objects), proxy_options(options, map)),
           force_(options.force, device.max_force),
           torque_(torque_options(options), gives_torque_ ? device.max_torque : 1)
     {}
+
+    /// \pre check_tool_settings() holds, and the objects' poses are rigid
+    [[nodiscard]] static Result<ToolRenderer>
+    make(const MeshIndex& tool, std::span<const ToolObject> objects, SceneView view,
+         const WorkspaceMap& map, const DeviceLimits& device, const ToolRenderOptions& options);
 
     [[nodiscard]] const ToolRenderOptions& options() const noexcept { return options_; }
     [[nodiscard]] const WorkspaceMap& map() const noexcept { return map_; }
@@ -156,6 +185,7 @@ public:
     const ToolTick& tick(const DeviceState& state, double seconds) noexcept
     {
         tick_.condition = state.condition;
+        if (view_ != nullptr) advance_scene(seconds);
         accept(state);
         if (!has_device_) {
             tick_.is_placed = false;
@@ -171,6 +201,16 @@ public:
     }
 
 private:
+    /// Objects move on, and have the friction of their materials.
+    void advance_scene(double seconds) noexcept
+    {
+        (void)view_->advance(seconds);
+        for (std::uint32_t at = 0; at < view_->object_count(); ++at) {
+            const auto material = view_->material(scene_triangle(ObjectId{at}, TriangleId{0}));
+            proxy_.set_object(at, view_->object(ObjectId{at}).now, friction_of(material, options_));
+        }
+    }
+
     /// Takes over the device's pose, or keeps the last one.
     void accept(const DeviceState& state) noexcept
     {
@@ -198,6 +238,7 @@ private:
     {
         tick_.is_placed = is_placed_;
         tick_.proxy = is_placed_ ? proxy_.pose() : device;
+        tick_.hold = is_placed_ ? proxy_.hold() : Hold::free;
         tick_.end = proxy_.end();
         tick_.moves = proxy_.work().moves;
         tick_.near_triangles = proxy_.work().pairs;
@@ -239,6 +280,7 @@ private:
         tick_.force_scale = force_.ramp();
     }
 
+    SceneView view_; ///< null without a scene
     WorkspaceMap map_;
     ToolRenderOptions options_;
     bool gives_torque_;
@@ -289,30 +331,61 @@ std::span<const RigidTransform> ToolRenderer::path() const noexcept
     return renderer_->path();
 }
 
+Result<ToolRenderer> ToolSurfaceRenderer::make(const MeshIndex& tool,
+                                               std::span<const ToolObject> objects, SceneView view,
+                                               const WorkspaceMap& map, const DeviceLimits& device,
+                                               const ToolRenderOptions& options)
+{
+    auto tool_body = RigidBody::build(tool);
+    if (!tool_body) return tl::unexpected(tool_body.error());
+    std::vector<SeenObject> seen;
+    for (const ToolObject& object : objects) {
+        auto body = RigidBody::build(object.index);
+        if (!body) return tl::unexpected(body.error());
+        seen.push_back({.body = std::move(*body),
+                        .pose = object.pose,
+                        .goal = object.pose,
+                        .friction = friction_of(std::nullopt, options)});
+    }
+    const double half_reach = 0.5 * tool_body->features.reach() / map.units_per_metre;
+    const ToolRenderOptions used = limited(options, device, half_reach);
+    const double scene_size = view != nullptr ? view->scale().reach : 0;
+    if (Status status = check_clearance(proxy_options(used, map), *tool_body, seen, scene_size);
+        !status)
+        return tl::unexpected(status.error());
+    return ToolRenderer(std::make_unique<ToolSurfaceRenderer>(
+        std::move(*tool_body), std::move(seen), std::move(view), map, device, used));
+}
+
 Result<ToolRenderer> make_tool_renderer(const MeshIndex& tool, std::span<const ToolObject> objects,
                                         const WorkspaceMap& map, const DeviceLimits& device,
                                         const ToolRenderOptions& options)
 {
     if (Status status = check_tool_settings(map, device, options); !status)
         return tl::unexpected(status.error());
-    auto tool_body = RigidBody::build(tool, {});
-    if (!tool_body) return tl::unexpected(tool_body.error());
-    std::vector<RigidBody> bodies;
     for (const ToolObject& object : objects) {
         if (!is_usable(object.pose)) {
             return fail(ErrorCode::invalid_argument, "the pose of an object must be rigid",
                         "objects");
         }
-        auto body = RigidBody::build(object.index, object.pose);
-        if (!body) return tl::unexpected(body.error());
-        bodies.push_back(std::move(*body));
     }
-    const double half_reach = 0.5 * tool_body->features.reach() / map.units_per_metre;
-    const ToolRenderOptions used = limited(options, device, half_reach);
-    if (Status status = check_clearance(proxy_options(used, map), *tool_body, bodies); !status)
+    return ToolSurfaceRenderer::make(tool, objects, nullptr, map, device, options);
+}
+
+Result<ToolRenderer> make_tool_renderer(const MeshIndex& tool, TouchScene& scene,
+                                        const WorkspaceMap& map, const DeviceLimits& device,
+                                        const ToolRenderOptions& options)
+{
+    if (Status status = check_tool_settings(map, device, options); !status)
         return tl::unexpected(status.error());
-    return ToolRenderer(std::make_unique<ToolSurfaceRenderer>(
-        std::move(*tool_body), std::move(bodies), map, device, used));
+    auto view = scene_views(scene).take();
+    if (!view) return tl::unexpected(view.error());
+    std::vector<ToolObject> objects;
+    for (std::uint32_t at = 0; at < (*view)->object_count(); ++at) {
+        const SceneObject object = (*view)->object(ObjectId{at});
+        objects.push_back({object.body->mesh_index(), object.now});
+    }
+    return ToolSurfaceRenderer::make(tool, objects, std::move(*view), map, device, options);
 }
 
 } // namespace proxima

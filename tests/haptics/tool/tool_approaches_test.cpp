@@ -1,5 +1,5 @@
 // Tools that are driven into objects from anywhere, turning: they enter nothing and pass nothing.
-#include "geometry/triangle_distance.h"
+#include "haptics/tool/every_pair.h"
 #include "haptics/tool/rigid_motion.h"
 #include "haptics/tool/tool_bench.h"
 #include "haptics/touch_meshes.h"
@@ -11,7 +11,6 @@
 #include <algorithm>
 #include <filesystem>
 #include <gtest/gtest.h>
-#include <random>
 #include <string>
 #include <vector>
 
@@ -58,25 +57,6 @@ std::vector<NamedMesh> objects()
             {"spaceship", scaled(*sample_mesh("spaceship:1300"), Vec3::Constant(0.004))}};
 }
 
-class Random {
-public:
-    explicit Random(std::uint32_t seed) : engine_(seed) {}
-    double operator()(double low, double high)
-    {
-        return std::uniform_real_distribution<double>(low, high)(engine_);
-    }
-    Vec3 direction()
-    {
-        while (true) {
-            const Vec3 v{(*this)(-1, 1), (*this)(-1, 1), (*this)(-1, 1)};
-            if (v.norm() > 0.1 && v.norm() < 1) return v.normalized();
-        }
-    }
-
-private:
-    std::mt19937 engine_;
-};
-
 /// Looks at all poses along the path of a tick, in steps below `step`.
 void expect_nothing_passed(const ToolBench& bench, const MeshIndex& tool, const MeshIndex& object,
                            double reach, double step)
@@ -109,11 +89,13 @@ TEST_P(ToolApproaches, PassNothing)
         const MeshIndex tool_index = index_of(tool.mesh);
         double reach = 0;
         for (const Vec3& p : tool.mesh.positions()) reach = std::max(reach, p.norm());
+        // Without friction and with it.
         for (int approach = 0; approach < 2; ++approach) {
             ++seed;
             SCOPED_TRACE(tool.name + ", seed " + std::to_string(seed));
             Random random(seed);
-            ToolBench bench(tool.mesh, {{object_index, {}}});
+            ToolBench bench(tool.mesh, {{object_index, {}}},
+                            springs_with_friction(0.5 * approach, 0.4 * approach));
             RigidTransform device = pose_at(0.07 * random.direction(), 3 * random.direction());
             bench.start(device);
             ASSERT_TRUE(bench.renderer().last().is_placed);
@@ -136,58 +118,6 @@ TEST_P(ToolApproaches, PassNothing)
     }
     std::cout << object.name << ": " << touches << " ticks in contact\n";
     EXPECT_GT(touches, 100);
-}
-
-/// A triangle and its box.
-struct BoxedTriangle {
-    Vec3 lower = Vec3::Zero();
-    Vec3 upper = Vec3::Zero();
-    Triangle triangle;
-};
-
-std::vector<BoxedTriangle> boxed(const TriangleMesh& mesh, const RigidTransform& pose = {})
-{
-    std::vector<BoxedTriangle> all;
-    for (std::uint32_t i = 0; i < mesh.triangle_count(); ++i) {
-        BoxedTriangle each;
-        each.triangle = pose(mesh.triangle(TriangleId{i}));
-        const auto& v = each.triangle.vertices;
-        each.lower = v[0].cwiseMin(v[1]).cwiseMin(v[2]);
-        each.upper = v[0].cwiseMax(v[1]).cwiseMax(v[2]);
-        all.push_back(each);
-    }
-    return all;
-}
-
-/// Whether boxes are farther apart than that along an axis.
-bool apart(const BoxedTriangle& a, const Vec3& lower, const Vec3& upper, double distance)
-{
-    return (lower - a.upper).cwiseMax(a.lower - upper).maxCoeff() > distance;
-}
-
-/// Those whose boxes a ball may meet: all are looked at, one by one, with no tree and no lanes.
-std::vector<BoxedTriangle> near_ball(const std::vector<BoxedTriangle>& all, const Vec3& center,
-                                     double radius)
-{
-    std::vector<BoxedTriangle> near;
-    for (const BoxedTriangle& each : all)
-        if (!apart(each, center, center, radius)) near.push_back(each);
-    return near;
-}
-
-/// The distance of two sets of triangles, or `farthest` where it is more: all pairs.
-double distance_of(const std::vector<BoxedTriangle>& first,
-                   const std::vector<BoxedTriangle>& second, double farthest)
-{
-    double least = farthest;
-    for (const BoxedTriangle& a : first) {
-        for (const BoxedTriangle& b : second) {
-            if (apart(a, b.lower, b.upper, least)) continue;
-            const double squared = closest_points(a.triangle, b.triangle).squared_distance;
-            least = std::min(least, std::sqrt(squared));
-        }
-    }
-    return least;
 }
 
 /// Scans, fitted into a box of 10 cm, where there are any.
@@ -226,7 +156,9 @@ TEST(ToolApproachesToScans, PassNothing)
             ++seed;
             SCOPED_TRACE(scan.name + ", " + tool.name + ", seed " + std::to_string(seed));
             Random random(seed);
-            ToolBench bench(tool.mesh, {{index, {}}});
+            const double friction = seed % 2 == 0 ? 0 : 0.5; // without and with it
+            ToolBench bench(tool.mesh, {{index, {}}},
+                            springs_with_friction(friction, 0.8 * friction));
             const auto id = static_cast<std::uint32_t>(
                 random(0, static_cast<double>(scan.mesh.triangle_count())));
             const Triangle aim = scan.mesh.triangle(TriangleId{id});

@@ -26,14 +26,23 @@ inline DeviceLimits strong_device()
             .max_torque = 1e6};
 }
 
-/// Springs alone: no ramps, no damping and no limits.
+/// Springs alone: no ramps, no damping, no friction and no limits.
 inline ToolRenderOptions plain_springs()
 {
     ToolRenderOptions options;
     options.force = {
         .stiffness = 500, .damping = 0, .max_slew = 1e12, .start_seconds = 0, .loss_seconds = 0.05};
     options.torsional_stiffness = 0.5;
+    options.static_friction = options.dynamic_friction = 0;
     options.max_torque_slew = 1e12;
+    return options;
+}
+
+inline ToolRenderOptions springs_with_friction(double fixed, double sliding)
+{
+    ToolRenderOptions options = plain_springs();
+    options.static_friction = fixed;
+    options.dynamic_friction = sliding;
     return options;
 }
 

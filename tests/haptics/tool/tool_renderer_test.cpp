@@ -258,6 +258,8 @@ TEST(ToolRenderer, WrongOptionsAreNamed)
     };
     EXPECT_EQ(error_of({}, object), "none");
     EXPECT_EQ(error_of({.torsional_stiffness = -1}, object), "torsional_stiffness");
+    EXPECT_EQ(error_of({.static_friction = -1, .dynamic_friction = -1}, object), "static_friction");
+    EXPECT_EQ(error_of({.static_friction = 0.2}, object), "dynamic_friction");
     EXPECT_EQ(error_of({.clearance = 0}, object), "clearance");
     EXPECT_EQ(error_of({.clearance = 1e-12}, object), "clearance"); // lost in rounding
     EXPECT_EQ(error_of({.max_moves = 0}, object), "max_moves");
