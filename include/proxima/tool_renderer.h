@@ -132,7 +132,6 @@ public:
 
 private:
     friend class ToolSurfaceRenderer;
-    class TouchScene;
     explicit ToolRenderer(std::unique_ptr<ToolSurfaceRenderer> renderer) noexcept;
 
     std::unique_ptr<ToolSurfaceRenderer> renderer_; ///< not null but after a move
