@@ -310,7 +310,7 @@ Status run_tool(const ToolCommandOptions& options, const std::string& model_name
         if (Status status = session.check_outputs({record}); !status) return status;
         if (Status status = check_extension(record, ".pxt"); !status) return status;
     }
-    const double bytes_per_tick =
+    const auto bytes_per_tick =
         static_cast<double>((options.ticks.empty() ? 0 : sizeof(ToolTick)) +
                             (record.empty() ? 0 : sizeof(RecordedToolTick)));
     const double bytes = settings.seconds / settings.input.tick_seconds * bytes_per_tick;

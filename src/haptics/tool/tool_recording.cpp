@@ -191,9 +191,10 @@ DeviceState device_state(const RecordedToolTick& tick) noexcept
     DeviceState state;
     for (std::size_t row = 0; row < 3; ++row) {
         const auto at = static_cast<Eigen::Index>(row);
-        for (std::size_t column = 0; column < 3; ++column)
-            state.pose.rotation(at, static_cast<Eigen::Index>(column)) =
-                tick.device[4 * row + column];
+        for (std::size_t column = 0; column < 3; ++column) {
+            const auto across = static_cast<Eigen::Index>(column);
+            state.pose.rotation(at, across) = tick.device[4 * row + column];
+        }
         state.pose.translation[at] = tick.device[4 * row + 3];
     }
     state.buttons = tick.buttons;
