@@ -27,18 +27,22 @@ add_custom_target(proxima_manual ALL DEPENDS ${made})
 install(DIRECTORY ${manual}/ DESTINATION ${CMAKE_INSTALL_MANDIR}/man1 COMPONENT tools FILES_MATCHING PATTERN "*.1.gz")
 install(FILES ${made} DESTINATION ${CMAKE_INSTALL_DATADIR}/bash-completion/completions RENAME proxima COMPONENT tools)
 
-install(FILES README.md DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/proxima-doc COMPONENT doc)
-install(DIRECTORY docs DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/proxima-doc COMPONENT doc)
-install(DIRECTORY examples DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/proxima-doc COMPONENT doc PATTERN CMakeLists.txt EXCLUDE)
+install(FILES README.md CHANGELOG.md CONTRIBUTING.md LICENSE DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/proxima-doc COMPONENT doc)
+install(DIRECTORY docs DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/proxima-doc COMPONENT doc PATTERN site EXCLUDE)
+install(DIRECTORY examples DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/proxima-doc COMPONENT doc PATTERN CMakeLists.txt EXCLUDE PATTERN __pycache__ EXCLUDE)
 
 # What each package has in its folder of documents.
 file(READ LICENSE license)
 string(REGEX REPLACE "^MIT License\n\nCopyright \\(c\\) ([^\n]*)\n\n" "" license "${license}")
 set(holders "${CMAKE_MATCH_1}")
+if(NOT holders)
+  message(FATAL_ERROR "LICENSE does not begin with \"MIT License\" and a line \"Copyright (c)\": the packages name who holds the copyright")
+endif()
 string(REPLACE "\n\n" "\n.\n" license "${license}")
 string(REGEX REPLACE "\n([^\n])" "\n \\1" license "${license}")
 file(WRITE ${work}/copyright
-  "Format: https://www.debian.org/doc/packaging-manuals/copyright-format/1.0/\nUpstream-Name: Proxima\n\n"
+  "Format: https://www.debian.org/doc/packaging-manuals/copyright-format/1.0/\nUpstream-Name: Proxima\n"
+  "Comment: Pictures of a bunny show the Stanford Bunny, courtesy of the Stanford Computer Graphics Laboratory.\n\n"
   "Files: *\nCopyright: ${holders}\nLicense: Expat\n ${license}")
 string(TIMESTAMP now "%a, %d %b %Y %H:%M:%S +0000" UTC)
 file(WRITE ${work}/changelog.Debian

@@ -104,7 +104,7 @@ namespace Proxima
         public static DeviceLimits Of(string device)
         {
             DeviceLimits limits;
-            Native.Check(Native.proxima_device_limits_of(device, out limits));
+            Native.Check(Native.proxima_device_limits_of(Native.Utf8(device), out limits));
             return limits;
         }
     }
@@ -140,6 +140,8 @@ namespace Proxima
         internal TriangleMesh(Handle handle) { Handle = handle; }
         public TriangleMesh(double[] vertices, uint[] triangles)
         {
+            if (vertices.Length % 3 != 0) throw new ArgumentException("the number of coordinates is no multiple of 3", "vertices");
+            if (triangles.Length % 3 != 0) throw new ArgumentException("the number of indices is no multiple of 3", "triangles");
             IntPtr made;
             Native.Check(Native.proxima_mesh_create(vertices, (UIntPtr)(vertices.Length / 3), triangles,
                                                     (UIntPtr)(triangles.Length / 3), out made));
@@ -148,13 +150,13 @@ namespace Proxima
         public static TriangleMesh Read(string path)
         {
             IntPtr made;
-            Native.Check(Native.proxima_mesh_read(path, out made));
+            Native.Check(Native.proxima_mesh_read(Native.Utf8(path), out made));
             return new TriangleMesh(new Handle(made, Native.proxima_mesh_destroy));
         }
         public static TriangleMesh Sample(string name)
         {
             IntPtr made;
-            Native.Check(Native.proxima_mesh_sample(name, out made));
+            Native.Check(Native.proxima_mesh_sample(Native.Utf8(name), out made));
             return new TriangleMesh(new Handle(made, Native.proxima_mesh_destroy));
         }
         public void Dispose() { Handle.Dispose(); }
@@ -275,43 +277,57 @@ namespace Proxima
 
         internal static void Check(int status)
         {
-            if (status != 0) throw new ProximaException(status, Marshal.PtrToStringAnsi(proxima_error_message()));
+            if (status != 0) throw new ProximaException(status, Text(proxima_error_message()));
         }
 
-        [DllImport(Library)] private static extern IntPtr proxima_error_message();
-        [DllImport(Library)] internal static extern int proxima_mesh_create(double[] vertices, UIntPtr vertexCount,
+        /// Texts are UTF-8 with a zero at the end.
+        internal static byte[] Utf8(string text)
+        {
+            return System.Text.Encoding.UTF8.GetBytes(text + '\0');
+        }
+        private static string Text(IntPtr text)
+        {
+            int length = 0;
+            while (Marshal.ReadByte(text, length) != 0) ++length;
+            var bytes = new byte[length];
+            Marshal.Copy(text, bytes, 0, length);
+            return System.Text.Encoding.UTF8.GetString(bytes);
+        }
+
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl)] private static extern IntPtr proxima_error_message();
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl)] internal static extern int proxima_mesh_create(double[] vertices, UIntPtr vertexCount,
             uint[] triangles, UIntPtr triangleCount, out IntPtr mesh);
-        [DllImport(Library)] internal static extern int proxima_mesh_read(string path, out IntPtr mesh);
-        [DllImport(Library)] internal static extern int proxima_mesh_sample(string name, out IntPtr mesh);
-        [DllImport(Library)] internal static extern void proxima_mesh_destroy(IntPtr mesh);
-        [DllImport(Library)] internal static extern int proxima_index_build(Handle mesh, uint additions, IntPtr execution,
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl)] internal static extern int proxima_mesh_read(byte[] path, out IntPtr mesh);
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl)] internal static extern int proxima_mesh_sample(byte[] name, out IntPtr mesh);
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl)] internal static extern void proxima_mesh_destroy(IntPtr mesh);
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl)] internal static extern int proxima_index_build(Handle mesh, uint additions, IntPtr execution,
             out IntPtr index);
-        [DllImport(Library)] internal static extern void proxima_index_destroy(IntPtr index);
-        [DllImport(Library)] internal static extern int proxima_closest_feature(Handle index, ref Vector point,
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl)] internal static extern void proxima_index_destroy(IntPtr index);
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl)] internal static extern int proxima_closest_feature(Handle index, ref Vector point,
             double radius, out Closest closest);
-        [DllImport(Library)] internal static extern int proxima_signed_distance(Handle index, ref Vector point,
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl)] internal static extern int proxima_signed_distance(Handle index, ref Vector point,
             out double distance);
-        [DllImport(Library)] internal static extern int proxima_signed_distances(Handle index, Vector[] points,
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl)] internal static extern int proxima_signed_distances(Handle index, Vector[] points,
             UIntPtr count, IntPtr execution, [Out] double[] distances);
-        [DllImport(Library)] internal static extern int proxima_first_hit(Handle index, ref QueryRay ray, Faces faces,
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl)] internal static extern int proxima_first_hit(Handle index, ref QueryRay ray, Faces faces,
             out Hit hit);
-        [DllImport(Library)] internal static extern int proxima_meshes_intersect(Handle a, Handle b, ref Pose poseOfB,
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl)] internal static extern int proxima_meshes_intersect(Handle a, Handle b, ref Pose poseOfB,
             out int answer);
-        [DllImport(Library)] internal static extern int proxima_mesh_distance(Handle a, Handle b, ref Pose poseOfB,
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl)] internal static extern int proxima_mesh_distance(Handle a, Handle b, ref Pose poseOfB,
             double farthest, out Distance distance);
-        [DllImport(Library)] internal static extern int proxima_body_create(Handle mesh, IntPtr material, out IntPtr body);
-        [DllImport(Library)] internal static extern void proxima_body_destroy(IntPtr body);
-        [DllImport(Library)] internal static extern int proxima_scene_create(ref Vector lower, ref Vector upper,
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl)] internal static extern int proxima_body_create(Handle mesh, IntPtr material, out IntPtr body);
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl)] internal static extern void proxima_body_destroy(IntPtr body);
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl)] internal static extern int proxima_scene_create(ref Vector lower, ref Vector upper,
             out IntPtr scene);
-        [DllImport(Library)] internal static extern void proxima_scene_destroy(IntPtr scene);
-        [DllImport(Library)] internal static extern int proxima_scene_add(Handle scene, Handle body, ref Pose pose,
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl)] internal static extern void proxima_scene_destroy(IntPtr scene);
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl)] internal static extern int proxima_scene_add(Handle scene, Handle body, ref Pose pose,
             out uint added);
-        [DllImport(Library)] internal static extern int proxima_scene_move(Handle scene, uint number, ref Motion motion);
-        [DllImport(Library)] internal static extern int proxima_device_limits_of(string name, out DeviceLimits limits);
-        [DllImport(Library)] internal static extern int proxima_renderer_create(Handle scene, ref Workspace workspace,
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl)] internal static extern int proxima_scene_move(Handle scene, uint number, ref Motion motion);
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl)] internal static extern int proxima_device_limits_of(byte[] name, out DeviceLimits limits);
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl)] internal static extern int proxima_renderer_create(Handle scene, ref Workspace workspace,
             ref DeviceLimits limits, IntPtr options, out IntPtr renderer);
-        [DllImport(Library)] internal static extern void proxima_renderer_destroy(IntPtr renderer);
-        [DllImport(Library)] internal static extern int proxima_renderer_tick(Handle renderer, ref Vector position,
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl)] internal static extern void proxima_renderer_destroy(IntPtr renderer);
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl)] internal static extern int proxima_renderer_tick(Handle renderer, ref Vector position,
             ref Vector velocity, double seconds, out Tick tick);
     }
 }

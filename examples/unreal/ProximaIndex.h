@@ -1,5 +1,6 @@
-// Proxima in Unreal Engine 5: an index of a mesh, asked in FVector and TArray. Put this header and include/proxima/c into a
-// module's Public folder, libproxima_c into its ThirdParty folder, and add both to its Build.cs:
+// Proxima in Unreal Engine 5: an index of a mesh, asked in FVector and TArray. Put this header into a module's
+// Public folder, include/proxima/c/proxima.h into Public/proxima/c, libproxima_c into its ThirdParty folder, and add both
+// to its Build.cs:
 //
 //     PublicIncludePaths.Add(...);  PublicAdditionalLibraries.Add(".../libproxima_c.so");
 //
@@ -24,15 +25,19 @@ public:
     {
         static_assert(sizeof(FVector) == 3 * sizeof(double),
                       "Unreal Engine 5 has vectors of doubles");
+        if (Triangles.Num() % 3 != 0) {
+            Why = FString(UTF8_TO_TCHAR("triangles: the number of indices is no multiple of 3"));
+            return;
+        }
         proxima_mesh* Mesh = nullptr;
         proxima_status Status = proxima_mesh_create(
-            &Positions.GetData()->X, Positions.Num(),
+            reinterpret_cast<const double*>(Positions.GetData()), Positions.Num(),
             reinterpret_cast<const uint32_t*>(Triangles.GetData()), Triangles.Num() / 3, &Mesh);
         if (Status == PROXIMA_OK) {
             Status = proxima_index_build(Mesh, Additions, nullptr, &Index);
         }
         if (Status != PROXIMA_OK) {
-            Why = FString(proxima_error_message());
+            Why = FString(UTF8_TO_TCHAR(proxima_error_message()));
         }
         proxima_mesh_destroy(Mesh);
     }

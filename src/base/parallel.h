@@ -1,5 +1,6 @@
 // Parallel loops. Only parallel.cpp knows the thread library, so that sanitizers see every
-// hand-over and results never depend on how the work was split.
+// hand-over and results never depend on how the work was split. Without oneTBB
+// (PROXIMA_WITH_TBB=OFF) parallel_serial.cpp stands in for it: everything is on one thread.
 #pragma once
 
 #include "proxima/execution.h"
@@ -9,7 +10,7 @@
 
 namespace proxima {
 
-/// The number of threads that `threads` stands for, at least 1.
+/// The number of threads that `threads` stands for, at least 1; 1 without oneTBB.
 [[nodiscard]] int thread_count(Threads threads) noexcept;
 
 /// Calls body(i) once for every i in [0, count), in any order, on at most `threads` threads;

@@ -34,6 +34,12 @@ TEST(ForUnreal, SaysWhatIsWrong)
     const FProximaIndex wrong(corners, {0, 1, 9});
     EXPECT_FALSE(wrong.IsValid());
     EXPECT_FALSE(wrong.Error().IsEmpty());
+    const FProximaIndex part(corners, {0, 1, 2, 3});
+    EXPECT_FALSE(part.IsValid());
+    EXPECT_FALSE(part.Error().IsEmpty());
+    const FProximaIndex empty({}, {});
+    EXPECT_FALSE(empty.IsValid());
+    EXPECT_FALSE(empty.Error().IsEmpty());
     const FProximaIndex without(corners, triangles, 0);
     EXPECT_TRUE(std::isnan(without.SignedDistance({0, 0, 0})));
 }

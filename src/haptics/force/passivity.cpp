@@ -170,7 +170,8 @@ Vec3 PassivityGuard::pass(const Vec3& position, const Vec3& velocity, const Cont
     if (mode_ == Guard::off) return force.whole;
     recover(seconds);
     account_.add(position, softness_ * shortened(force.spring, max_force_), seconds);
-    // Aside a steady pull would turn the axis to and fro as the contact's push comes and goes.
+    // Without the stick-slip pull: a steady sideways pull would turn the swing's axis whenever the
+    // contact's push rises and falls.
     const SwingTick tick = swing_.watch(position, force.spring - force.aside, seconds, max_force_);
     if (force.stiffness > 0) {
         stiffness_ = force.stiffness;

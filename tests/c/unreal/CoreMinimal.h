@@ -9,6 +9,8 @@
 using int32 = std::int32_t;
 using uint32 = std::uint32_t;
 
+#define UTF8_TO_TCHAR(text) text
+
 struct FVector {
     double X = 0, Y = 0, Z = 0;
     FVector() = default;
@@ -18,6 +20,7 @@ struct FVector {
 template <class T>
 class TArray {
 public:
+    TArray() = default;
     TArray(std::initializer_list<T> values) : values_(values) {}
     [[nodiscard]] const T* GetData() const { return values_.data(); }
     [[nodiscard]] int32 Num() const { return static_cast<int32>(values_.size()); }
