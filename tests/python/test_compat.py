@@ -174,9 +174,8 @@ def test_igl_refuses(points, options):
 
 
 def ask_ours(meshes=None, wrap=np.asarray, unwrap=np.asarray):
-    scene = open3d.RaycastingScene()
-    answers = open3d_answers.ask(scene, meshes or open3d_answers.scene_arrays()[0], wrap, unwrap)
-    return {**answers, "INVALID_ID": np.array(scene.INVALID_ID)}
+    answers = open3d_answers.ask(open3d.RaycastingScene, meshes or open3d_answers.scene_arrays()[0], wrap, unwrap)
+    return {**answers, "INVALID_ID": np.array(open3d.RaycastingScene.INVALID_ID)}
 
 
 def compare(ours, theirs):
@@ -185,6 +184,7 @@ def compare(ours, theirs):
     assert {0, 1} <= set(ours["closest.geometry_ids"].ravel()) and (ours["compute_signed_distance"] < 0).any()
     edges = ours["closest.primitive_uvs"]  # on edges and corners either triangle may be named
     inside = (edges.min(axis=-1) > 1e-4) & (edges.sum(axis=-1) < 1 - 1e-4)
+    assert 10 < theirs["three.occupancy"].sum() < 90
     for name, column in ours.items():
         other = theirs[name]
         assert (column.dtype, column.shape) == (other.dtype, other.shape), name
@@ -223,6 +223,47 @@ def test_open3d_takes_meshes_that_run_clockwise(mesh, points):
     scene.add_triangles(mesh.vertices + 10, mesh.faces)
     assert np.array_equal(scene.compute_signed_distance(points), before)
     assert scene.compute_occupancy(points + 10).sum() == (before < 0).sum()
+
+
+def test_open3d_takes_parts_apart():
+    """Two balls of triangles without shared corners, each with a degenerate triangle between two others."""
+    ball, points = proxima.Mesh.sample("icosphere:2"), np.random.default_rng(3).uniform(-1.2, 1.2, (200, 3))
+    points = points[np.abs(np.linalg.norm(points, axis=1) - 0.5) > 0.05]
+    outside, cavity = (oracles.winding_numbers(proxima.Mesh(ball.vertices * size, ball.faces), points) < 0.5 for size in (1, 0.5))
+    ball = oracles.corners(ball)
+    ball = np.concatenate((ball, ball[:1, [0, 0, 1]])).reshape(-1, 3)
+    soup = np.concatenate((ball, ball / 2))
+    scene = open3d.RaycastingScene()
+    scene.add_triangles(soup, np.arange(len(soup)).reshape(-1, 3))
+    assert np.array_equal(scene.compute_occupancy(points), ~outside & cavity) and 10 < (~outside & cavity).sum() < 190
+
+
+def test_open3d_takes_open_parts_together():
+    ball, points = proxima.Mesh.sample("icosphere:2"), np.random.default_rng(3).uniform(-1.2, 1.2, (200, 3))
+    triangles = oracles.corners(ball)
+    triangles[triangles.mean(axis=1)[:, 2] > 0] += [0, 0, 1e-3]
+    scene = open3d.RaycastingScene()
+    scene.add_triangles(triangles.reshape(-1, 3), np.arange(triangles.size // 3).reshape(-1, 3))
+    assert np.array_equal(scene.compute_occupancy(points), oracles.winding_numbers(ball, points) > 0.5)
+    # Below a small ball are two large sheets, whose winding number there is nearly -1.
+    sheet = np.array([[-20, -20, -1], [20, -20, -1], [20, 20, -1], [-20, 20, -1]])
+    scene = open3d.RaycastingScene()
+    scene.add_triangles(np.concatenate((ball.vertices / 10, sheet, sheet + [0, 0, 0.01])), np.concatenate(
+        (ball.faces, np.array([[0, 1, 2], [0, 2, 3], [4, 5, 6], [4, 6, 7]]) + len(ball.vertices))))
+    assert scene.compute_occupancy([[0.01, 0.02, 0.03], [0, 0, 0.5]]).tolist() == [1, 0]
+
+
+def test_open3d_asks_parts_that_are_apart_in_one_index():
+    count = 300
+    cube = proxima.Mesh.sample("octahedron")
+    at = np.stack(np.meshgrid(*[np.arange(15) * 3.0] * 3), axis=-1).reshape(-1, 1, 3)[:count]
+    vertices = (cube.vertices + at).reshape(-1, 3)
+    faces = np.array(cube.faces) + np.arange(count)[:, None, None] * len(cube.vertices)
+    faces[::2] = faces[::2, :, ::-1]
+    scene = open3d.RaycastingScene()
+    scene.add_triangles(vertices, faces.reshape(-1, 3))
+    assert scene.compute_occupancy(at[:, 0]).all() and not scene.compute_occupancy(at[:, 0] + 1.5).any()
+    assert len(scene._signs()._indexes) == 1
 
 
 def test_open3d_refuses():

@@ -9,9 +9,11 @@
 
 As in Open3D, answers are float32 and uint32 in the shape of the queries, misses have t_hit inf and INVALID_ID, and
 distances are negative inside. Tensors are answered by tensors and arrays by arrays; float64 in is not rounded before it is
-used. Unlike there, signs and occupancy do not come from one ray, which may run along an edge, but from the winding number;
-meshes that run clockwise are turned for it. NaN, and rays whose direction is zero, are errors. A hit on an edge counts for
-each of its triangles.
+used. As in Open3D, inside is what an odd number of closed surfaces encloses, clockwise or not: a body in a body is a cavity,
+in one geometry or two. Unlike there, the winding number of each connected part tells whether it encloses a point, not a ray,
+which may run along an edge. Open parts count together, and a part that overlaps itself is inside there too. NaN, rays whose
+direction is zero, and scenes without triangles are errors. A hit on an edge counts for each of its triangles. The arguments
+nsamples and samples of later versions of Open3D are not taken.
 """
 from __future__ import annotations
 
@@ -19,8 +21,9 @@ from typing import TYPE_CHECKING, Any, Callable, Optional
 
 import numpy as np
 
-from .. import Closest, Index, InvalidInput, Mesh
-from . import mesh_of
+from .. import Closest, Index, Mesh
+from . import mesh_of, refusal
+from ._inside import Inside
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
@@ -36,7 +39,7 @@ class RaycastingScene:
         self._vertices: list[NDArray[np.float64]] = []
         self._faces: list[NDArray[np.int64]] = []
         self._built: Optional[Index] = None
-        self._built_signs: Optional[Index] = None
+        self._inside: Optional[Inside] = None
 
     def add_triangles(self, mesh: Any, triangle_indices: Optional[ArrayLike] = None) -> int:
         """Adds a mesh, or vertices (N, 3) and triangles (M, 3). Returns the geometry's id: 0, 1, 2 and so on."""
@@ -48,7 +51,7 @@ class RaycastingScene:
             own = mesh_of(mesh)
         self._vertices.append(np.asarray(own.vertices))
         self._faces.append(np.asarray(own.faces, np.int64))
-        self._built = self._built_signs = None
+        self._built = self._inside = None
         return len(self._faces) - 1
 
     def cast_rays(self, rays: Any, nthreads: int = 0) -> dict[str, Any]:
@@ -84,34 +87,27 @@ class RaycastingScene:
     def compute_signed_distance(self, query_points: Any, nthreads: int = 0) -> Any:
         """{..} float32: distances of points {.., 3}, negative inside."""
         shape, points = _rows(query_points, 3, "query_points")
-        return _like(query_points, shape)(self._signs().signed_distance(points, threads=nthreads).astype(np.float32))
+        return _like(query_points, shape)(self._signs().signed_distance(points, nthreads).astype(np.float32))
 
     def compute_occupancy(self, query_points: Any, nthreads: int = 0) -> Any:
         """{..} float32: 1 where points {.., 3} are inside, else 0."""
         shape, points = _rows(query_points, 3, "query_points")
-        inside = self._signs().signed_distance(points, threads=nthreads) < 0
+        inside = self._signs().signed_distance(points, nthreads) < 0
         return _like(query_points, shape)(inside.astype(np.float32))
-
-    def _mesh(self, faces: list[NDArray[np.int64]]) -> Mesh:
-        if not faces:
-            raise InvalidInput("the scene has no triangles: call add_triangles() first")
-        begins = np.cumsum([0] + [len(vertices) for vertices in self._vertices])
-        return Mesh(np.concatenate(self._vertices), np.concatenate([own + begin for own, begin in zip(faces, begins)]))
 
     def _index(self) -> Index:
         if self._built is None:
-            self._built = Index(self._mesh(self._faces), threads=self._threads)
+            if not any(map(len, self._faces)):
+                raise refusal("the scene has no triangles: call add_triangles() first")
+            begins = np.cumsum([0] + [len(vertices) for vertices in self._vertices])
+            faces = np.concatenate([own + begin for own, begin in zip(self._faces, begins)])
+            self._built = Index(Mesh(np.concatenate(self._vertices), faces), threads=self._threads)
         return self._built
 
-    def _signs(self) -> Index:
-        if self._built_signs is None:
-            clockwise = [_volume(vertices, faces) < 0 for vertices, faces in zip(self._vertices, self._faces)]
-            if any(clockwise):
-                turned = [faces[:, ::-1] if turn else faces for faces, turn in zip(self._faces, clockwise)]
-                self._built_signs = Index(self._mesh(turned), signs=True, threads=self._threads)
-            else:
-                self._built = self._built_signs = self._index().with_signs(threads=self._threads)
-        return self._built_signs
+    def _signs(self) -> Inside:
+        if self._inside is None:
+            self._inside = Inside(self._index(), [Mesh(*own) for own in zip(self._vertices, self._faces)], self._threads)
+        return self._inside
 
     def _answer(self, like: Callable[[NDArray[Any]], Any], found: Any, **first: NDArray[np.float64]) -> dict[str, Any]:
         """The dictionary of an answer: ids within each geometry, u and v, and normals of length 1."""
@@ -144,7 +140,7 @@ def _rows(given: Any, columns: int, name: str) -> tuple[tuple[int, ...], NDArray
     """The shape before the last dimension, and all as rows."""
     array = _array(given)
     if array.ndim < 2 or array.shape[-1] != columns:
-        raise InvalidInput(f"{name}: must have shape (.., {columns}), has {array.shape}")
+        raise refusal(f"{name}: must have shape (.., {columns}), has {array.shape}")
     return array.shape[:-1], array.reshape(-1, columns)
 
 
@@ -159,9 +155,3 @@ def _like(given: Any, shape: tuple[int, ...]) -> Callable[[NDArray[Any]], Any]:
         array = rows.reshape(shape + rows.shape[1:])
         return type(given).from_numpy(array) if hasattr(given, "numpy") else array
     return answer
-
-
-def _volume(vertices: NDArray[np.float64], faces: NDArray[np.int64]) -> float:
-    """Six times the volume inside, below 0 where faces run clockwise."""
-    a, b, c = np.moveaxis(vertices[faces] - vertices[faces[0, 0]], 1, 0)
-    return float(np.einsum("ij,ij->", a, np.cross(b, c)))
