@@ -76,11 +76,17 @@ def ask(new_scene, meshes, wrap, unwrap):
     answers["count_intersections"] = unwrap(scene.count_intersections(wrap(rays)))
     for name in ("compute_distance", "compute_signed_distance", "compute_occupancy"):
         answers[name] = unwrap(getattr(scene, name)(wrap(points)))
+    intrinsic, extrinsic = np.array([[100.0, 3, 32], [0, 110, 24], [0, 0, 1]]), np.eye(4)
+    extrinsic[:3] = [[0.6, -0.8, 0, 0.1], [0.8, 0.6, 0, 0.2], [0, 0, 1, 3]]
+    answers["rays_of_matrices"] = unwrap(new_scene.create_rays_pinhole(wrap(intrinsic), wrap(extrinsic), 4, 3))
+    answers["rays_of_view"] = unwrap(new_scene.create_rays_pinhole(
+        fov_deg=60.0, center=wrap(np.zeros(3)), eye=wrap(np.array([1.0, 2, 3])), up=wrap(np.array([0, 1, 0.3])), width_px=5, height_px=2))
+    answers["tfar_before_tnear"] = unwrap(scene.test_occlusions(wrap(rays), 0.9, 0.2))
     scenes, points = parity_scenes()
     for name, geometries in scenes.items():
         scene = new_scene()
-        for arrays in geometries:
-            scene.add_triangles(*map(wrap, arrays))
+        for vertices, faces in [*geometries, (np.zeros((0, 3), "f4"), np.zeros((0, 3), "u4"))]:
+            scene.add_triangles(vertex_positions=wrap(vertices), triangle_indices=wrap(faces))
         answers[f"{name}.signed_distance"] = unwrap(scene.compute_signed_distance(wrap(points)))
         answers[f"{name}.occupancy"] = unwrap(scene.compute_occupancy(wrap(points)))
     return answers

@@ -268,13 +268,46 @@ def test_open3d_asks_parts_that_are_apart_in_one_index():
 
 def test_open3d_refuses():
     scene = open3d.RaycastingScene()
-    with pytest.raises(proxima.InvalidInput, match="no triangles"):
+    with pytest.raises(proxima.InvalidInput, match="the scene has no triangles"):
         scene.compute_distance(np.zeros((1, 3)))
     scene.add_triangles(proxima.Mesh.sample("cube"))
     with pytest.raises(proxima.InvalidInput, match=r"rays: must have shape \(.., 6\)"):
         scene.cast_rays(np.zeros((2, 3)))
     with pytest.raises(proxima.InvalidInput, match="query_points"):
         scene.compute_distance(np.zeros(3))
+    with pytest.raises(proxima.InvalidInput, match="mesh: must be an open3d.t.geometry.TriangleMesh, .*, is None") as error:
+        scene.add_triangles(None)
+    assert error.value.code == "invalid_argument"
+    legacy = SimpleNamespace(vertices=np.zeros((3, 3)), triangles=np.zeros((1, 3), "i4"))
+    with pytest.raises(proxima.InvalidInput, match=r"from_legacy\(mesh\)\), is types.SimpleNamespace"):
+        scene.add_triangles(legacy)
+    for adapter in (trimesh.ProximityQuery, trimesh.RayMeshIntersector):
+        with pytest.raises(proxima.InvalidInput, match="mesh: must be a proxima.Mesh, or .* trimesh.Trimesh has, is str"):
+            adapter("mesh")
+    with pytest.raises(proxima.InvalidInput, match="intrinsic_matrix: must have an inverse"):
+        scene.create_rays_pinhole(np.zeros((3, 3)), np.eye(4), 2, 2)
+    with pytest.raises(proxima.InvalidInput, match=r"extrinsic_matrix: .* shape \(4, 4\), has shape \(3, 4\)"):
+        scene.create_rays_pinhole(np.eye(3), np.eye(4)[:3], 2, 2)
+    for view in ((60, [0, 0, 1], [0, 0, 1], [0, 1, 0]), (60, [0, 0, 1], [0, 0, 2], [0, 0, 1]), (0, [0, 0, 1], [0, 0, 2], [0, 1, 0])):
+        with pytest.raises(proxima.InvalidInput, match="center: must not be at eye"):
+            scene.create_rays_pinhole(*view, 2, 2)
+
+
+def test_open3d_takes_geometries_without_triangles():
+    scene = open3d.RaycastingScene()
+    assert scene.add_triangles(np.zeros((3, 3)), np.zeros((0, 3), "i4")) == 0
+    with pytest.raises(proxima.InvalidInput, match="the scene has no triangles"):
+        scene.compute_signed_distance(np.zeros((1, 3)))
+    assert scene.add_triangles(mesh=proxima.Mesh.sample("cube")) == 1
+    assert scene.compute_signed_distance(np.zeros((1, 3))) < 0
+    assert scene.cast_rays([[0.1, 0.2, 5, 0, 0, -1]])["geometry_ids"] == 1
+
+
+def test_open3d_answers_tensors_of_other_libraries_by_arrays():
+    scene = open3d.RaycastingScene()
+    scene.add_triangles(proxima.Mesh.sample("cube"))
+    other = SimpleNamespace(numpy=lambda: np.zeros((2, 3)))  # as torch's: has numpy(), no from_numpy()
+    assert scene.compute_occupancy(other).tolist() == [1, 1]
 
 
 def test_nothing_else_is_imported():
