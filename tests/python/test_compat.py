@@ -159,6 +159,14 @@ def test_igl_pseudonormals(mesh, points):
     assert np.allclose(corner, [np.full(3, 3 ** -0.5), [1, 0, 0]])
 
 
+def test_igl_signs_of_a_clockwise_mesh(mesh, points):
+    faces, inside = np.array(mesh.faces)[:, ::-1], oracles.winding_numbers(mesh, points) > 0.5
+    for options in (dict(sign_type=igl.SIGNED_DISTANCE_TYPE_PSEUDONORMAL), dict(return_normals=True)):
+        assert np.array_equal(igl.signed_distance(points, mesh.vertices, faces, **options)[0] > 0, inside)
+    for kind in (igl.SIGNED_DISTANCE_TYPE_DEFAULT, igl.SIGNED_DISTANCE_TYPE_WINDING_NUMBER, igl.SIGNED_DISTANCE_TYPE_FAST_WINDING_NUMBER):
+        assert (igl.signed_distance(points, mesh.vertices, faces, kind)[0] > 0).all()
+
+
 def cube_arrays():
     cube = proxima.Mesh.sample("cube")
     return cube.vertices, cube.faces
