@@ -51,6 +51,26 @@ def test_trimesh_closest(mesh, lookalike, points):
     assert np.allclose(facing[np.arange(len(points)), triangle], best, rtol=0, atol=1e-9)
 
 
+def test_trimesh_closest_of_triangles_with_corners_of_their_own(mesh, lookalike, points):
+    soup = SimpleNamespace(vertices=oracles.corners(mesh).reshape(-1, 3), faces=np.arange(3 * len(mesh.faces)).reshape(-1, 3))
+    closest, distance, triangle = trimesh.ProximityQuery(soup).on_surface(points)
+    joined = trimesh.ProximityQuery(lookalike).on_surface(points)
+    assert np.allclose(closest, joined[0], rtol=0, atol=1e-14) and np.allclose(distance, joined[1], rtol=1e-14)
+    assert np.array_equal(triangle, joined[2])
+
+
+def test_trimesh_inside_of_clockwise_and_nested_meshes(mesh, points):
+    inside = oracles.winding_numbers(mesh, points) > 0.5
+    turned = SimpleNamespace(vertices=mesh.vertices, faces=np.array(mesh.faces)[:, ::-1])
+    small = mesh.vertices * [1, 1, 0.5] + [0.01, 0.02, 0.03]  # reaches out a little
+    twice = SimpleNamespace(vertices=np.concatenate((mesh.vertices, small)),
+                            faces=np.concatenate((mesh.faces, np.array(mesh.faces) + len(small))))
+    of_small = oracles.winding_numbers(proxima.Mesh(small, mesh.faces), points) > 0.5
+    for given, expected in ((turned, inside), (twice, inside ^ of_small)):
+        assert np.array_equal(trimesh.RayMeshIntersector(given).contains_points(points), expected)
+        assert np.array_equal(trimesh.ProximityQuery(given).signed_distance(points) > 0, expected) and expected.any()
+
+
 def test_trimesh_signs_are_positive_inside(mesh, lookalike, points):
     query = trimesh.ProximityQuery(lookalike)
     distance = query.signed_distance(points)
