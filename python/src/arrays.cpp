@@ -20,8 +20,7 @@ py::array any_array(const py::handle& object, const char* name)
     py::array array = py::array::ensure(object);
     if (!array) {
         PyErr_Clear();
-        refuse(name,
-               "must be an array of numbers, is a " + std::string(Py_TYPE(object.ptr())->tp_name));
+        refuse(name, "must be an array of numbers, is a " + type_name(object));
     }
     return array;
 }

@@ -37,6 +37,12 @@ private:
     throw Failure({ErrorCode::invalid_argument, std::move(message), std::move(argument)});
 }
 
+/// The name of an object's type, for messages.
+[[nodiscard]] inline std::string type_name(const py::handle& object)
+{
+    return Py_TYPE(object.ptr())->tp_name;
+}
+
 template <class T>
 [[nodiscard]] T value_of(Result<T> result)
 {

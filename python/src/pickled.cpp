@@ -12,11 +12,15 @@ py::bytes bytes_of_file(FunctionRef<void(const std::filesystem::path&)> save)
 {
     const py::object folder = py::module_::import("tempfile").attr("TemporaryDirectory")();
     const py::object path =
-        py::module_::import("os").attr("path").attr("join")(folder.attr("name"), "pickled");
-    save(path.cast<std::filesystem::path>());
-    const py::object file = py::module_::import("io").attr("FileIO")(path);
-    py::bytes bytes = file.attr("readall")();
-    file.attr("close")();
+        py::module_::import("pathlib").attr("Path")(folder.attr("name"), "pickled");
+    py::bytes bytes;
+    try {
+        save(path.cast<std::filesystem::path>());
+        bytes = path.attr("read_bytes")();
+    } catch (...) {
+        folder.attr("cleanup")();
+        throw;
+    }
     folder.attr("cleanup")();
     return bytes;
 }

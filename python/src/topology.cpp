@@ -22,6 +22,8 @@ struct MeshTopology {
 
 MeshTopology build(const py::object& mesh, int threads, const py::object& progress)
 {
+    if (!py::isinstance<TriangleMesh>(mesh))
+        throw py::type_error("mesh: must be a proxima.Mesh, is a " + type_name(mesh));
     MeshTopology built{mesh, &mesh.cast<const TriangleMesh&>(), {}};
     const Threads thread_count = threads_of(threads);
     built.topology = run(progress, Duration::lengthy, [&](Progress* watched) {
@@ -68,6 +70,8 @@ std::vector<std::int64_t> integers_of(const py::object& object, const char* name
 
 std::vector<Feature> features_of(const py::object& closest, const Topology& topology)
 {
+    if (!py::hasattr(closest, "feature_kind") || !py::hasattr(closest, "feature"))
+        refuse("closest", "must be a Closest or a ClosestOne, is a " + type_name(closest));
     const auto kinds = integers_of(closest.attr("feature_kind"), "closest.feature_kind");
     const auto ids = integers_of(closest.attr("feature"), "closest.feature");
     if (kinds.size() != ids.size()) refuse("closest", "has columns of different lengths");
@@ -150,7 +154,7 @@ Topology(mesh, *, threads=0, progress=None)
 
 Of any mesh, manifold or not; positions are not looked at. Holds the mesh. Immutable; any number of threads may use it.
 70 bytes per triangle.)")
-        .def(py::init(&build), py::arg("mesh").none(false), py::kw_only(), py::arg("threads") = 0,
+        .def(py::init(&build), py::arg("mesh"), py::kw_only(), py::arg("threads") = 0,
              py::arg("progress") = py::none())
         .def_property_readonly("edges", &edges_of,
                                "(E, 2) int32: the vertices of each edge, ascending; edges in the "

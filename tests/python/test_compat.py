@@ -51,6 +51,26 @@ def test_trimesh_closest(mesh, lookalike, points):
     assert np.allclose(facing[np.arange(len(points)), triangle], best, rtol=0, atol=1e-9)
 
 
+def test_trimesh_closest_of_triangles_with_corners_of_their_own(mesh, lookalike, points):
+    soup = SimpleNamespace(vertices=oracles.corners(mesh).reshape(-1, 3), faces=np.arange(3 * len(mesh.faces)).reshape(-1, 3))
+    closest, distance, triangle = trimesh.ProximityQuery(soup).on_surface(points)
+    joined = trimesh.ProximityQuery(lookalike).on_surface(points)
+    assert np.allclose(closest, joined[0], rtol=0, atol=1e-14) and np.allclose(distance, joined[1], rtol=1e-14)
+    assert np.array_equal(triangle, joined[2])
+
+
+def test_trimesh_inside_of_clockwise_and_nested_meshes(mesh, points):
+    inside = oracles.winding_numbers(mesh, points) > 0.5
+    turned = SimpleNamespace(vertices=mesh.vertices, faces=np.array(mesh.faces)[:, ::-1])
+    small = mesh.vertices * [1, 1, 0.5] + [0.01, 0.02, 0.03]  # reaches out a little
+    twice = SimpleNamespace(vertices=np.concatenate((mesh.vertices, small)),
+                            faces=np.concatenate((mesh.faces, np.array(mesh.faces) + len(small))))
+    of_small = oracles.winding_numbers(proxima.Mesh(small, mesh.faces), points) > 0.5
+    for given, expected in ((turned, inside), (twice, inside ^ of_small)):
+        assert np.array_equal(trimesh.RayMeshIntersector(given).contains_points(points), expected)
+        assert np.array_equal(trimesh.ProximityQuery(given).signed_distance(points) > 0, expected) and expected.any()
+
+
 def test_trimesh_signs_are_positive_inside(mesh, lookalike, points):
     query = trimesh.ProximityQuery(lookalike)
     distance = query.signed_distance(points)
@@ -159,6 +179,14 @@ def test_igl_pseudonormals(mesh, points):
     assert np.allclose(corner, [np.full(3, 3 ** -0.5), [1, 0, 0]])
 
 
+def test_igl_signs_of_a_clockwise_mesh(mesh, points):
+    faces, inside = np.array(mesh.faces)[:, ::-1], oracles.winding_numbers(mesh, points) > 0.5
+    for options in (dict(sign_type=igl.SIGNED_DISTANCE_TYPE_PSEUDONORMAL), dict(return_normals=True)):
+        assert np.array_equal(igl.signed_distance(points, mesh.vertices, faces, **options)[0] > 0, inside)
+    for kind in (igl.SIGNED_DISTANCE_TYPE_DEFAULT, igl.SIGNED_DISTANCE_TYPE_WINDING_NUMBER, igl.SIGNED_DISTANCE_TYPE_FAST_WINDING_NUMBER):
+        assert (igl.signed_distance(points, mesh.vertices, faces, kind)[0] > 0).all()
+
+
 def cube_arrays():
     cube = proxima.Mesh.sample("cube")
     return cube.vertices, cube.faces
@@ -174,9 +202,8 @@ def test_igl_refuses(points, options):
 
 
 def ask_ours(meshes=None, wrap=np.asarray, unwrap=np.asarray):
-    scene = open3d.RaycastingScene()
-    answers = open3d_answers.ask(scene, meshes or open3d_answers.scene_arrays()[0], wrap, unwrap)
-    return {**answers, "INVALID_ID": np.array(scene.INVALID_ID)}
+    answers = open3d_answers.ask(open3d.RaycastingScene, meshes or open3d_answers.scene_arrays()[0], wrap, unwrap)
+    return {**answers, "INVALID_ID": np.array(open3d.RaycastingScene.INVALID_ID)}
 
 
 def compare(ours, theirs):
@@ -185,6 +212,7 @@ def compare(ours, theirs):
     assert {0, 1} <= set(ours["closest.geometry_ids"].ravel()) and (ours["compute_signed_distance"] < 0).any()
     edges = ours["closest.primitive_uvs"]  # on edges and corners either triangle may be named
     inside = (edges.min(axis=-1) > 1e-4) & (edges.sum(axis=-1) < 1 - 1e-4)
+    assert 10 < theirs["three.occupancy"].sum() < 90
     for name, column in ours.items():
         other = theirs[name]
         assert (column.dtype, column.shape) == (other.dtype, other.shape), name
@@ -225,15 +253,89 @@ def test_open3d_takes_meshes_that_run_clockwise(mesh, points):
     assert scene.compute_occupancy(points + 10).sum() == (before < 0).sum()
 
 
+def test_open3d_takes_parts_apart():
+    """Two balls of triangles without shared corners, each with a degenerate triangle between two others."""
+    ball, points = proxima.Mesh.sample("icosphere:2"), np.random.default_rng(3).uniform(-1.2, 1.2, (200, 3))
+    points = points[np.abs(np.linalg.norm(points, axis=1) - 0.5) > 0.05]
+    outside, cavity = (oracles.winding_numbers(proxima.Mesh(ball.vertices * size, ball.faces), points) < 0.5 for size in (1, 0.5))
+    ball = oracles.corners(ball)
+    ball = np.concatenate((ball, ball[:1, [0, 0, 1]])).reshape(-1, 3)
+    soup = np.concatenate((ball, ball / 2))
+    scene = open3d.RaycastingScene()
+    scene.add_triangles(soup, np.arange(len(soup)).reshape(-1, 3))
+    assert np.array_equal(scene.compute_occupancy(points), ~outside & cavity) and 10 < (~outside & cavity).sum() < 190
+
+
+def test_open3d_takes_open_parts_together():
+    ball, points = proxima.Mesh.sample("icosphere:2"), np.random.default_rng(3).uniform(-1.2, 1.2, (200, 3))
+    triangles = oracles.corners(ball)
+    triangles[triangles.mean(axis=1)[:, 2] > 0] += [0, 0, 1e-3]
+    scene = open3d.RaycastingScene()
+    scene.add_triangles(triangles.reshape(-1, 3), np.arange(triangles.size // 3).reshape(-1, 3))
+    assert np.array_equal(scene.compute_occupancy(points), oracles.winding_numbers(ball, points) > 0.5)
+    # Below a small ball are two large sheets, whose winding number there is nearly -1.
+    sheet = np.array([[-20, -20, -1], [20, -20, -1], [20, 20, -1], [-20, 20, -1]])
+    scene = open3d.RaycastingScene()
+    scene.add_triangles(np.concatenate((ball.vertices / 10, sheet, sheet + [0, 0, 0.01])), np.concatenate(
+        (ball.faces, np.array([[0, 1, 2], [0, 2, 3], [4, 5, 6], [4, 6, 7]]) + len(ball.vertices))))
+    assert scene.compute_occupancy([[0.01, 0.02, 0.03], [0, 0, 0.5]]).tolist() == [1, 0]
+
+
+def test_open3d_asks_parts_that_are_apart_in_one_index():
+    count = 300
+    cube = proxima.Mesh.sample("octahedron")
+    at = np.stack(np.meshgrid(*[np.arange(15) * 3.0] * 3), axis=-1).reshape(-1, 1, 3)[:count]
+    vertices = (cube.vertices + at).reshape(-1, 3)
+    faces = np.array(cube.faces) + np.arange(count)[:, None, None] * len(cube.vertices)
+    faces[::2] = faces[::2, :, ::-1]
+    scene = open3d.RaycastingScene()
+    scene.add_triangles(vertices, faces.reshape(-1, 3))
+    assert scene.compute_occupancy(at[:, 0]).all() and not scene.compute_occupancy(at[:, 0] + 1.5).any()
+    assert len(scene._signs()._indexes) == 1
+
+
 def test_open3d_refuses():
     scene = open3d.RaycastingScene()
-    with pytest.raises(proxima.InvalidInput, match="no triangles"):
+    with pytest.raises(proxima.InvalidInput, match="the scene has no triangles"):
         scene.compute_distance(np.zeros((1, 3)))
     scene.add_triangles(proxima.Mesh.sample("cube"))
     with pytest.raises(proxima.InvalidInput, match=r"rays: must have shape \(.., 6\)"):
         scene.cast_rays(np.zeros((2, 3)))
     with pytest.raises(proxima.InvalidInput, match="query_points"):
         scene.compute_distance(np.zeros(3))
+    with pytest.raises(proxima.InvalidInput, match="mesh: must be an open3d.t.geometry.TriangleMesh, .*, is None") as error:
+        scene.add_triangles(None)
+    assert error.value.code == "invalid_argument"
+    legacy = SimpleNamespace(vertices=np.zeros((3, 3)), triangles=np.zeros((1, 3), "i4"))
+    with pytest.raises(proxima.InvalidInput, match=r"from_legacy\(mesh\)\), is types.SimpleNamespace"):
+        scene.add_triangles(legacy)
+    for adapter in (trimesh.ProximityQuery, trimesh.RayMeshIntersector):
+        with pytest.raises(proxima.InvalidInput, match="mesh: must be a proxima.Mesh, or .* trimesh.Trimesh has, is str"):
+            adapter("mesh")
+    with pytest.raises(proxima.InvalidInput, match="intrinsic_matrix: must have an inverse"):
+        scene.create_rays_pinhole(np.zeros((3, 3)), np.eye(4), 2, 2)
+    with pytest.raises(proxima.InvalidInput, match=r"extrinsic_matrix: .* shape \(4, 4\), has shape \(3, 4\)"):
+        scene.create_rays_pinhole(np.eye(3), np.eye(4)[:3], 2, 2)
+    for view in ((60, [0, 0, 1], [0, 0, 1], [0, 1, 0]), (60, [0, 0, 1], [0, 0, 2], [0, 0, 1]), (0, [0, 0, 1], [0, 0, 2], [0, 1, 0])):
+        with pytest.raises(proxima.InvalidInput, match="center: must not be at eye"):
+            scene.create_rays_pinhole(*view, 2, 2)
+
+
+def test_open3d_takes_geometries_without_triangles():
+    scene = open3d.RaycastingScene()
+    assert scene.add_triangles(np.zeros((3, 3)), np.zeros((0, 3), "i4")) == 0
+    with pytest.raises(proxima.InvalidInput, match="the scene has no triangles"):
+        scene.compute_signed_distance(np.zeros((1, 3)))
+    assert scene.add_triangles(mesh=proxima.Mesh.sample("cube")) == 1
+    assert scene.compute_signed_distance(np.zeros((1, 3))) < 0
+    assert scene.cast_rays([[0.1, 0.2, 5, 0, 0, -1]])["geometry_ids"] == 1
+
+
+def test_open3d_answers_tensors_of_other_libraries_by_arrays():
+    scene = open3d.RaycastingScene()
+    scene.add_triangles(proxima.Mesh.sample("cube"))
+    other = SimpleNamespace(numpy=lambda: np.zeros((2, 3)))  # as torch's: has numpy(), no from_numpy()
+    assert scene.compute_occupancy(other).tolist() == [1, 1]
 
 
 def test_nothing_else_is_imported():

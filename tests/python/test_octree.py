@@ -1,5 +1,8 @@
 import gc
+import os
 import pickle
+import tempfile
+import warnings
 
 import numpy as np
 import pytest
@@ -71,3 +74,22 @@ def test_refuses_wrong_options(mesh):
             proxima.Octree(mesh, **options)
     with pytest.raises(proxima.Cancelled):
         proxima.Octree(proxima.Mesh.sample("spaceship:100000"), max_depth=9, threads=1, progress=lambda *_: False)
+
+
+def test_pickling_leaves_no_files(mesh, tmp_path, monkeypatch):
+    class Folder(tempfile.TemporaryDirectory):
+        """One in which the file cannot be written."""
+
+        def __init__(self):
+            super().__init__(dir=tmp_path)
+            os.mkdir(os.path.join(self.name, "pickled"))
+
+    octree = proxima.Octree(mesh)
+    monkeypatch.setattr(tempfile, "tempdir", str(tmp_path))
+    pickle.dumps(octree)
+    monkeypatch.setattr(tempfile, "TemporaryDirectory", Folder)
+    with warnings.catch_warnings(record=True) as warned:  # a folder that only its finaliser removes warns
+        warnings.simplefilter("always")
+        with pytest.raises(proxima.Error):
+            pickle.dumps(octree)
+    assert not os.listdir(tmp_path) and not warned

@@ -97,8 +97,11 @@ def test_refuses_features_of_other_meshes(mesh, index, points):
             proxima.Topology(mesh).patch(wrong)
     with pytest.raises(proxima.InvalidInput, match="rings: "):
         topology.patch(index.closest(points), -1)
-    with pytest.raises(TypeError):
-        proxima.Topology(None)
+    for wrong, kind in ((None, "NoneType"), ("x", "str")):
+        with pytest.raises(TypeError, match=f"mesh: must be a proxima.Mesh, is a {kind}"):
+            proxima.Topology(wrong)
+        with pytest.raises(proxima.InvalidInput, match=f"closest: must be a Closest or a ClosestOne, is a {kind}"):
+            topology.patch(wrong)
     with pytest.raises(proxima.Cancelled):
         large = proxima.Mesh.sample("torus:400x200")
         proxima.Topology(large).patch(proxima.Index(large).closest(np.tile(points, (300, 1))), 20, progress=lambda *_: False)

@@ -14,7 +14,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from .. import Closest, Index, InvalidInput, Mesh, Topology
+from .. import Closest, Index, Mesh, Topology
+from . import refusal
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
@@ -39,20 +40,26 @@ def signed_distance(P: ArrayLike, V: ArrayLike, F: ArrayLike, sign_type: int = S
                     return_normals: bool = False) -> tuple[NDArray[Any], ...]:
     """Signed distances (n,), triangles (n,) and closest points (n, 3); with return_normals also pseudonormals (n, 3).
 
-    Negative inside, whatever sign_type says of how signs are found: where libigl's pseudonormals and winding numbers
-    differ, on meshes with holes, it is the winding number that counts. SIGNED_DISTANCE_TYPE_UNSIGNED gives distances."""
+    Negative inside. SIGNED_DISTANCE_TYPE_PSEUDONORMAL takes the side of the pseudonormal, and so does the default with
+    return_normals, as in libigl: where the mesh runs clockwise, it is positive inside and negative outside. The other types
+    take the sign of 1 - 2w, w the winding number, which libigl multiplies the distance by: a clockwise mesh has no inside.
+    SIGNED_DISTANCE_TYPE_UNSIGNED gives distances."""
     if sign_type not in range(5):
-        raise InvalidInput("sign_type: must be one of SIGNED_DISTANCE_TYPE_...")
+        raise refusal("sign_type: must be one of SIGNED_DISTANCE_TYPE_...")
     if return_normals and sign_type not in (SIGNED_DISTANCE_TYPE_PSEUDONORMAL, SIGNED_DISTANCE_TYPE_DEFAULT):
-        raise InvalidInput("return_normals: needs the sign type SIGNED_DISTANCE_TYPE_PSEUDONORMAL")
+        raise refusal("return_normals: needs the sign type SIGNED_DISTANCE_TYPE_PSEUDONORMAL")
     points, lengths, ids = _arrays(P, F)
     mesh = Mesh(V, F)
-    signed = sign_type != SIGNED_DISTANCE_TYPE_UNSIGNED
-    index = Index(mesh, signs=signed)
+    by_normals = return_normals or sign_type == SIGNED_DISTANCE_TYPE_PSEUDONORMAL
+    by_winding = not by_normals and sign_type != SIGNED_DISTANCE_TYPE_UNSIGNED
+    index = Index(mesh, signs=by_winding)
     closest = index.closest(points)
-    distances = index.signed_distance(points) if signed else closest.distance
+    distances = index.signed_distance(points) if by_winding else closest.distance
+    if by_normals:
+        normals = _pseudonormals(mesh, closest)
+        distances = np.where(((points - closest.point) * normals).sum(axis=1) < 0, -distances, distances)
     answer = (distances.astype(lengths), closest.triangle.astype(ids), closest.point.astype(lengths))
-    return (*answer, _pseudonormals(mesh, closest).astype(lengths)) if return_normals else answer
+    return (*answer, normals.astype(lengths)) if return_normals else answer
 
 
 def _arrays(P: ArrayLike, F: ArrayLike) -> tuple[NDArray[Any], Any, Any]:

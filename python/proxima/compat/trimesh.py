@@ -8,8 +8,11 @@
     locations, index_ray, index_tri = ray.intersects_location(origins, directions)
 
 As in trimesh, distances are positive inside, ids are int64 and triangles that share the closest point are told apart by
-which of them faces the query. Unlike there, hits come in the order of the rays and along them, a direction that is zero is
-an error, and objects answer for the mesh as it was when they were made. Inside is where the winding number is at least 1/2.
+which of them faces the query, also where they have corners of their own at the same positions. Unlike there, hits come in
+the order of the rays and along them, a direction that is zero is an error, and objects answer for the mesh as it was when
+they were made. Inside is what an odd number of connected parts encloses, as the rays of trimesh's contains_points have it,
+but told by winding numbers. signed_distance has the same inside, also where a mesh runs clockwise or has bodies in bodies:
+trimesh takes the side of the closest triangle there, and its signs contradict its contains_points.
 """
 from __future__ import annotations
 
@@ -18,7 +21,8 @@ from typing import TYPE_CHECKING, Any, Optional
 import numpy as np
 
 from .. import Closest, Index, Mesh, Topology
-from . import mesh_of
+from . import mesh_of, welded
+from ._inside import Inside
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
@@ -31,8 +35,9 @@ class ProximityQuery:
 
     def __init__(self, mesh: Any) -> None:
         self._mesh = mesh_of(mesh)
-        self._index = Index(self._mesh)
-        self._signs: Optional[Index] = None
+        self._welded = welded(self._mesh)
+        self._index = Index(self._welded)
+        self._inside: Optional[Inside] = None
         self._vertices: Optional[Index] = None
         self._topology: Optional[Topology] = None
 
@@ -44,10 +49,10 @@ class ProximityQuery:
         shared = np.flatnonzero((closest.feature_kind < 2) & (closest.distance > MERGE))
         if len(shared):
             if self._topology is None:
-                self._topology = Topology(self._mesh)
+                self._topology = Topology(self._welded)
             several = self._topology.patch(Closest(*(np.asarray(column)[shared] for column in closest)), rings=0)
             towards = np.repeat(points[shared] - closest.point[shared], np.diff(several.first), axis=0)
-            facing = np.einsum("ij,ij->i", _normals(self._mesh, several.triangle), towards)
+            facing = np.einsum("ij,ij->i", _normals(self._welded, several.triangle), towards)
             best = np.maximum.reduceat(facing, several.first[:-1])
             is_best = np.flatnonzero(facing >= np.repeat(best, np.diff(several.first)))
             triangle[shared] = several.triangle[is_best[np.searchsorted(is_best, several.first[:-1])]]
@@ -63,9 +68,9 @@ class ProximityQuery:
 
     def signed_distance(self, points: ArrayLike) -> NDArray[np.float64]:
         """Distances (n,), positive inside and within MERGE of the surface, negative outside."""
-        if self._signs is None:
-            self._signs = self._index.with_signs()
-        distance = -self._signs.signed_distance(points)
+        if self._inside is None:
+            self._inside = Inside(self._index, [self._welded])
+        distance = -self._inside.signed_distance(points)
         near = np.abs(distance) <= MERGE
         distance[near] = np.abs(distance[near])
         return distance
@@ -75,8 +80,9 @@ class RayMeshIntersector:
     """What rays hit: trimesh.ray.ray_triangle.RayMeshIntersector."""
 
     def __init__(self, mesh: Any) -> None:
-        self._index = Index(mesh_of(mesh))
-        self._signs: Optional[Index] = None
+        self._mesh = mesh_of(mesh)
+        self._index = Index(self._mesh)
+        self._inside: Optional[Inside] = None
 
     def intersects_any(self, ray_origins: ArrayLike, ray_directions: ArrayLike, **_: Any) -> NDArray[np.bool_]:
         """(m,) bool: whether each ray hits."""
@@ -116,9 +122,9 @@ class RayMeshIntersector:
 
     def contains_points(self, points: ArrayLike) -> NDArray[np.bool_]:
         """(n,) bool: whether points (n, 3) are inside."""
-        if self._signs is None:
-            self._signs = self._index.with_signs()
-        return self._signs.signed_distance(points) < 0
+        if self._inside is None:
+            self._inside = Inside(self._index, [self._mesh])
+        return self._inside.signed_distance(points) < 0
 
 
 def _normals(mesh: Mesh, triangles: NDArray[np.int32]) -> NDArray[np.float64]:
