@@ -17,7 +17,6 @@
 #include "cli/touch_tool.h"
 
 #include <CLI/CLI.hpp>
-#include <cmath>
 #include <fmt/core.h>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -157,15 +156,10 @@ Status run_device(const TouchCommandOptions& options, Session& session)
         if (Status status = check_extension(options.record, ".pxt"); !status) return status;
     }
     const double bytes = recorded_bytes(settings_of(options));
-    if (bytes > most_recorded_bytes) {
-        const char* const option = options.record.empty() ? "--picture" : "--record";
-        return fail(ErrorCode::budget_exceeded,
-                    fmt::format("{:g} s would hold {:.1f} GB in memory, and a session may hold "
-                                "{:.1f}: give at most --seconds {:.0f}, or no {}",
-                                options.seconds, 1e-9 * bytes, 1e-9 * most_recorded_bytes,
-                                std::floor(options.seconds * most_recorded_bytes / bytes), option),
-                    option);
-    }
+    if (Status status = check_recorded_bytes(bytes, options.seconds,
+                                             options.record.empty() ? "--picture" : "--record");
+        !status)
+        return status;
     const auto model = load_what_is_touched(options, session);
     if (!model) return tl::unexpected(model.error());
     if (options.method == QueryMethod::thesis) {

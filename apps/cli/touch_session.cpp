@@ -21,6 +21,7 @@
 #include <atomic>
 #include <chrono>
 #include <cmath>
+#include <fmt/core.h>
 #include <thread>
 #include <unistd.h>
 
@@ -251,6 +252,17 @@ std::uint64_t ticks_to_release(const DeviceInfo& info, const TouchSettings& sett
     if (!info.pushes) return 0;
     const double fading = settings.render.force.loss_seconds / settings.input.tick_seconds;
     return static_cast<std::uint64_t>(std::ceil(fading)) + 5;
+}
+
+Status check_recorded_bytes(double bytes, double seconds, const char* option)
+{
+    if (bytes <= most_recorded_bytes) return {};
+    return fail(ErrorCode::budget_exceeded,
+                fmt::format("{:g} s would hold {:.1f} GB in memory, and a session may hold {:.1f}: "
+                            "give at most --seconds {:.0f}, or no {}",
+                            seconds, 1e-9 * bytes, 1e-9 * most_recorded_bytes,
+                            std::floor(seconds * most_recorded_bytes / bytes), option),
+                option);
 }
 
 double recorded_bytes(const TouchSettings& settings)

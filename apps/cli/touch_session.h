@@ -64,6 +64,10 @@ struct TouchSettings {
 /// memory until the session ends.
 inline constexpr double most_recorded_bytes = 4e9;
 
+/// Refuses a session that would hold more than that, for the sake of the option. Error
+/// budget_exceeded.
+[[nodiscard]] Status check_recorded_bytes(double bytes, double seconds, const char* option);
+
 /// What recording and course of the session hold in memory.
 [[nodiscard]] double recorded_bytes(const TouchSettings& settings);
 

@@ -314,15 +314,10 @@ Status run_tool(const ToolCommandOptions& options, const std::string& model_name
         static_cast<double>((options.ticks.empty() ? 0 : sizeof(ToolTick)) +
                             (record.empty() ? 0 : sizeof(RecordedToolTick)));
     const double bytes = settings.seconds / settings.input.tick_seconds * bytes_per_tick;
-    if (bytes > most_recorded_bytes) {
-        const char* const option = options.ticks.empty() ? "--record" : "--ticks";
-        return fail(ErrorCode::budget_exceeded,
-                    fmt::format("{:g} s would hold {:.1f} GB in memory, and a session may hold "
-                                "{:.1f}: give at most --seconds {:.0f}, or no {}",
-                                settings.seconds, 1e-9 * bytes, 1e-9 * most_recorded_bytes,
-                                std::floor(settings.seconds * most_recorded_bytes / bytes), option),
-                    option);
-    }
+    if (Status status = check_recorded_bytes(bytes, settings.seconds,
+                                             options.ticks.empty() ? "--record" : "--ticks");
+        !status)
+        return status;
     const auto model = load_touch_model(model_name, false, session);
     if (!model) return tl::unexpected(model.error());
     const auto tool = load_tool(options, session);

@@ -54,6 +54,18 @@ inline RigidTransform pose_at(const Vec3& position, const Vec3& turn = Vec3::Zer
     return pose;
 }
 
+/// Two slopes of 45 degrees that meet along the y axis.
+inline TriangleMesh groove_mesh()
+{
+    return mesh_of({{0, -0.1, 0},
+                    {0, 0.1, 0},
+                    {0.1, -0.1, 0.1},
+                    {0.1, 0.1, 0.1},
+                    {-0.1, -0.1, 0.1},
+                    {-0.1, 0.1, 0.1}},
+                   {{0, 2, 3}, {0, 3, 1}, {0, 1, 5}, {0, 5, 4}});
+}
+
 /// A box of the given half extents about a center.
 inline TriangleMesh box_mesh(const Vec3& half, const Vec3& center = Vec3::Zero())
 {

@@ -123,13 +123,7 @@ TEST(ToolFriction, ABallAlongAGrooveIsHeldBackByBothSides)
     const double friction = 0.2;
     const TriangleMesh ball =
         moved(*sample_mesh("icosphere:4"), [&](const Vec3& p) { return Vec3(radius * p); });
-    const TriangleMesh groove = mesh_of({{0, -0.1, 0},
-                                         {0, 0.1, 0},
-                                         {0.1, -0.1, 0.1},
-                                         {0.1, 0.1, 0.1},
-                                         {-0.1, -0.1, 0.1},
-                                         {-0.1, 0.1, 0.1}},
-                                        {{0, 2, 3}, {0, 3, 1}, {0, 1, 5}, {0, 5, 4}});
+    const TriangleMesh groove = groove_mesh();
     ToolBench bench(ball, {{index_of(groove), {}}}, springs_with_friction(friction, friction));
     bench.start(pose_at({0, -0.02, 0.04}));
     const double device = radius * std::numbers::sqrt2 - 0.003;

@@ -178,13 +178,7 @@ TEST(ToolInGroove, TheBallRestsOnBothSides)
     const double radius = 0.01;
     const TriangleMesh ball =
         moved(*sample_mesh("icosphere:3"), [&](const Vec3& p) { return Vec3(radius * p); });
-    const TriangleMesh groove = mesh_of({{0, -0.1, 0},
-                                         {0, 0.1, 0},
-                                         {0.1, -0.1, 0.1},
-                                         {0.1, 0.1, 0.1},
-                                         {-0.1, -0.1, 0.1},
-                                         {-0.1, 0.1, 0.1}},
-                                        {{0, 2, 3}, {0, 3, 1}, {0, 1, 5}, {0, 5, 4}});
+    const TriangleMesh groove = groove_mesh();
     ToolBench bench(ball, {{index_of(groove), {}}});
     bench.start(pose_at({0.004, 0, 0.04}));
     const double depth = 0.003;
