@@ -152,7 +152,7 @@ void bind_topology(py::module_& module)
 
 Topology(mesh, *, threads=0, progress=None)
 
-Of any mesh, manifold or not; positions are not looked at. Holds the mesh. Immutable; any number of threads may use it.
+Works for any mesh, manifold or not. Triangles are neighbours where they share ids of vertices, whatever the positions. Keeps the mesh alive. Immutable; any number of threads may use it.
 70 bytes per triangle.)")
         .def(py::init(&build), py::arg("mesh"), py::kw_only(), py::arg("threads") = 0,
              py::arg("progress") = py::none())

@@ -105,7 +105,7 @@ TEST_F(PacketSequenceTest, HearsAnotherSessionOfTheSameAddressAfterAShortSilence
 TEST_F(PacketSequenceTest, HearsAnotherAddressAfterTheLongSilenceAlone)
 {
     begin(500);
-    // The same session and a number that follows, but from elsewhere.
+    // Another address sends the number that follows, of the same session.
     EXPECT_EQ(judge(1, 101, theirs, 500), foreign);
     EXPECT_EQ(judge(1, 101, theirs, 1499), foreign);
     EXPECT_EQ(judge(1, 101, ours, 1499), well);

@@ -158,8 +158,8 @@ typedef struct proxima_closest {
     double point[3];
     double barycentric[3]; /* of the point in the triangle */
     double squared_distance;
-    uint32_t
-        triangle; /* the lowest that has the feature; PROXIMA_NONE where nothing is as near as the radius */
+    /* the lowest that has the feature; PROXIMA_NONE where nothing is as near as the radius */
+    uint32_t triangle;
     uint32_t feature; /* the vertex, edge or face */
     int32_t kind;     /* proxima_feature_kind */
 } proxima_closest;
@@ -237,8 +237,8 @@ PROXIMA_C_API proxima_status proxima_intersecting_pairs(const proxima_index* a,
                                                         size_t capacity, size_t* count);
 
 typedef struct proxima_distance {
-    double
-        distance; /* of the surfaces, 0 where they touch; INFINITY where they are farther than was asked */
+    /* of the surfaces, 0 where they touch; INFINITY where they are farther than was asked */
+    double distance;
     double point_a[3]; /* closest points, both where B has been moved */
     double point_b[3];
     uint32_t triangle_a; /* PROXIMA_NONE where they are farther than was asked */
@@ -331,8 +331,8 @@ typedef struct proxima_render_options {
     double proxy_radius; /* m; 0: a point */
     double static_friction;
     double dynamic_friction;
-    int32_t
-        guard; /* proxima_guard: whether walls are kept from giving more energy than they took */
+    /* proxima_guard: whether walls are kept from giving more energy than they took */
+    int32_t guard;
 } proxima_render_options;
 
 PROXIMA_C_API void proxima_render_options_default(proxima_render_options* options);
@@ -361,8 +361,8 @@ typedef struct proxima_tick {
     double normal[3]; /* of all contacts together; zero where nothing is touched */
     double depth;
     int32_t holds; /* 0: free, 1: sliding, 2: sticking */
-    int32_t
-        is_placed; /* 0: the device began inside, or found no place: nothing is touched until it is out */
+    /* 0: the device began inside, or found no place: nothing is touched until it is out */
+    int32_t is_placed;
     int32_t fault; /* 0: none, 1: a position that is not finite, 2: a jump */
     uint32_t contact_count;
     proxima_contact contacts[3];

@@ -37,8 +37,8 @@ struct ContactForce {
     Vec3 whole = Vec3::Zero();  ///< N, with the surface's damping
     double stiffness = 0;       ///< N/m, of the surface
     double damping = 0;         ///< N s/m, of the surface
-    Vec3 aside =
-        Vec3::Zero(); ///< N, part of the spring: the pull of a stick point along the surface
+    /// N, part of the spring: the pull of a stick point along the surface
+    Vec3 aside = Vec3::Zero();
 };
 
 /// What the guard saw in a session, and did. With Guard::observe, what it would have done.

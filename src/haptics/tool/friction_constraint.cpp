@@ -12,8 +12,8 @@ namespace {
 using Mat6 = Eigen::Matrix<double, 6, 6>;
 using Eigen::Vector2d;
 
-/// Of the springs that stand for friction, pass by pass; the body's own is 1. Soft springs find which
-/// contacts slide, stiff ones let the others stick.
+/// The stiffness of the springs that stand for friction, in the first and the second pass; that of the
+/// body's own spring is 1. Soft springs find which contacts slide, stiff ones let the others stick.
 constexpr std::array<double, 2> friction_springs = {1e3, 1e6};
 /// The first pass ends where steps change the energy of soft springs by less than this part squared.
 constexpr double soft_springs_end = 0.01;

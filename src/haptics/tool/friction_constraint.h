@@ -4,8 +4,8 @@
 //     minimise |u - wanted|^2 / 2 + sum of limit_k |T_k u - s_k|   subject to   a_i . u >= b_i
 //
 // T_k u - s_k is how far the body slides at contact k, where the other body moves by s_k along the
-// surface; limit_k = mu_k times its load. With the contacts'
-// pressures lambda_i and frictions f_k the motion balances:
+// surface; limit_k = mu_k times its load. With the contacts' pressures lambda_i and frictions f_k the
+// motion balances:
 //     wanted - u + sum of lambda_i a_i = sum of T_k^T f_k,    |f_k| <= limit_k
 // A contact sticks, T_k u = s_k, or f_k has its limit and points where the contact slides. The problem is
 // convex, so the motion is unique. Each friction is that of a spring that yields at the limit: soft first,
@@ -42,7 +42,8 @@ struct FrictionalMotion {
 };
 
 /// Constraints may be violated by up to `tolerance`. A contact that sticks slides by some millionths of
-/// the wanted motion. `scratch` has room for all constraints. noexcept, no allocation; at most 40 steps, each like least_constraint().
+/// the wanted motion. `scratch` has room for all constraints. noexcept, no allocation; at most 40
+/// steps, each like least_constraint().
 /// \pre at most max_frictions frictions
 [[nodiscard]] FrictionalMotion
 least_constraint_with_friction(const Vec6& wanted, std::span<const MotionConstraint> constraints,

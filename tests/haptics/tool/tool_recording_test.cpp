@@ -104,7 +104,7 @@ TEST_F(ToolRecordings, AreReadAsTheyWereWrittenAndReplayWithoutADifference)
     RecordedToolTick other = written.ticks.back();
     other.torque[1] = std::nextafter(other.torque[1], 1.0);
     EXPECT_FALSE(same_response(other, written.ticks.back()));
-    // The same session makes the same bytes.
+    // Saving the same session twice gives the same bytes.
     const std::filesystem::path again = path("again.pxt");
     ASSERT_TRUE(save_tool_recording(*read, again).has_value());
     EXPECT_EQ(bytes_of(again), bytes_of(file_path));
