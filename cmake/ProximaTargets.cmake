@@ -51,9 +51,10 @@ function(proxima_fit_for_shared_libraries target)
     CXX_VISIBILITY_PRESET hidden VISIBILITY_INLINES_HIDDEN ON)
 endfunction()
 
-# Of a shared library or module: exports what a version script says.
+# Of a shared library or module: exports what a version script says. It stays loaded, and oneTBB with it, when a program
+# closes it: oneTBB's threads outlive the work that they were given.
 function(proxima_export_by target script)
-  target_link_options(${target} PRIVATE LINKER:--version-script=${script} LINKER:-z,relro,-z,now)
+  target_link_options(${target} PRIVATE LINKER:--version-script=${script} LINKER:-z,relro,-z,now,-z,nodelete)
   set_property(TARGET ${target} APPEND PROPERTY LINK_DEPENDS ${script})
 endfunction()
 
