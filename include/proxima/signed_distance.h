@@ -9,8 +9,8 @@
 //
 // Where the surface is known to separate inside from outside, the side of the angle-weighted
 // pseudonormal of the closest feature tells [baerentzen-2005]: tens of nanoseconds. Everywhere else,
-// and where rounding leaves that in doubt, the winding number does: microseconds, more near the
-// surface.
+// and where rounding leaves that in doubt, the winding number does: microseconds. Of surfaces
+// without holes it is counted exactly, along a ray; of others summed, which takes longer near them.
 //
 // In doubt: a point is so far from a feature, for the size of its triangles, that another feature
 // is as near but for rounding; or it lies all but in the plane that parts inside from outside

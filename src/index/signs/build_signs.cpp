@@ -192,7 +192,7 @@ Result<MeshIndex> with_signs(const MeshIndex& index, const SignOptions& options)
         return tl::unexpected(status.error());
     auto winding = build_winding_number(*mesh, {.execution = execution});
     if (!winding) return tl::unexpected(winding.error());
-    const auto sides = find_surface_sides(index, *topology, *winding, {.execution = execution});
+    const auto sides = find_surface_sides(index, *mesh, *topology, {.execution = execution});
     if (!sides) return tl::unexpected(sides.error());
 
     SignBuilder builder(index.parts(), *mesh, *topology);

@@ -55,6 +55,9 @@ struct SignArrays {
     /// Of the triangles whose sides are known: points near for that are told without a look at the
     /// closest one's.
     double least_height = std::numeric_limits<double>::infinity();
+
+    /// Whether every edge is known to have as many triangles each way: winding numbers are whole.
+    [[nodiscard]] bool is_closed() const noexcept { return !sides.empty(); }
 };
 
 /// Immutable; copies share the storage. Thread safe.

@@ -4,10 +4,11 @@
 #include "base/parallel.h"
 #include "base/progress.h"
 #include "geometry/exact_predicates.h"
-#include "geometry/solid_angle.h"
 #include "geometry/triangle_contact.h"
 #include "geometry/triangle_distance.h"
+#include "index/crossings.h"
 #include "index/index_parts.h"
+#include "index/signs/sign_geometry.h"
 #include "index/visit_near.h"
 #include "mesh/surface_parts.h"
 
@@ -245,33 +246,47 @@ Patches find_patches(const TriangleMesh& mesh, const Topology& topology,
     return patches;
 }
 
-/// The winding number in front of a triangle; nothing where it is not clearly a whole number.
-std::optional<int> winding_in_front(const WindingNumber& winding, TriangleId id)
+/// The winding number in front of a triangle; nothing where rounding its middle may take that past
+/// another triangle. \pre winding numbers are whole
+std::optional<int> winding_in_front(const IndexParts& index, const Box& bounds,
+                                    const TriangleMesh& mesh, TriangleId id)
 {
-    const Triangle triangle = winding.mesh().triangle(id);
-    const Vec3 at = triangle[0] + ((triangle[1] - triangle[0]) + (triangle[2] - triangle[0])) / 3.0;
-    // The triangle itself adds a half or takes one away, as rounding wills.
-    SolidAngleSum own;
-    own.add(triangle, at, winding.clusters().unit);
-    const double others = winding_number(winding, at, 1e-3).value - own.winding();
-    const double front = others - 0.5;
-    const double whole = std::round(front);
-    if (!(std::abs(front - whole) < 0.1)) return std::nullopt;
-    return static_cast<int>(whole);
+    // Rounding moves the middle by less than 2^-51 of this, and triangles of a patch that meet at an
+    // edge are apart by a thin wedge.
+    constexpr double least_height = 0x1p-40;
+    const Triangle triangle = mesh.triangle(id);
+    double size = 0;
+    for (const Vec3& corner : triangle.vertices)
+        size = std::max(size, corner.cwiseAbs().maxCoeff());
+    if (!(height_of(triangle, index.scale()) > least_height * size)) return std::nullopt;
+    int axis = 0;
+    unit_normal_of(triangle).cwiseAbs().maxCoeff(&axis);
+    const int along = cross_component_sign({triangle[0], triangle[1]},
+                                           Displacement{triangle[0], triangle[2]}, axis);
+    if (along == 0) return std::nullopt;
+    const Vec3 middle =
+        triangle[0] + ((triangle[1] - triangle[0]) + (triangle[2] - triangle[0])) / 3.0;
+    const RigidTransform turn = turn_to_x(axis);
+    int others = 0;
+    visit_crossings(index, bounds, turn, turn(middle), [&](std::uint32_t row, int crossing) {
+        if (index.id(row) != id) others += crossing;
+    });
+    // A ray that leaves backwards begins behind the triangle, where the number is one more.
+    return along > 0 ? others : others - 1;
 }
 
-SurfaceSides sides_of(const Patch& patch, const WindingNumber& winding)
+SurfaceSides sides_of(const Patch& patch, const IndexParts& index, const Box& bounds,
+                      const TriangleMesh& mesh)
 {
     std::optional<int> front;
     for (const TriangleId id : patch.largest) {
         if (id == no_triangle) continue;
-        const auto found = winding_in_front(winding, id);
+        const auto found = winding_in_front(index, bounds, mesh, id);
         if (!found || (front && *front != *found)) return SurfaceSides::doubtful;
         front = found;
     }
     if (!front) return SurfaceSides::doubtful;
     if (*front == 0) return SurfaceSides::separates;
-    // Behind it the number is one more.
     return *front > 0 ? SurfaceSides::inside_both : SurfaceSides::outside_both;
 }
 
@@ -322,25 +337,26 @@ Result<std::vector<std::uint8_t>> find_self_contacts(const MeshIndex& index,
     return find_contacts(index.parts(), mesh, exact_contact, options);
 }
 
-Result<std::vector<SurfaceSides>> find_surface_sides(const MeshIndex& tree,
+Result<std::vector<SurfaceSides>> find_surface_sides(const MeshIndex& index,
+                                                     const TriangleMesh& mesh,
                                                      const Topology& topology,
-                                                     const WindingNumber& winding,
                                                      const SurfaceSidesOptions& options)
 {
-    const TriangleMesh& mesh = winding.mesh();
     std::vector<SurfaceSides> sides(mesh.triangle_count(), SurfaceSides::doubtful);
     const auto uses = detail::edge_uses(mesh, topology);
     if (!is_balanced(uses)) return sides;
-    const auto contacts = find_contacts(tree.parts(), mesh, clearance_of(mesh), options);
+    const auto contacts = find_contacts(index.parts(), mesh, clearance_of(mesh), options);
     if (!contacts) return tl::unexpected(contacts.error());
     Patches patches = find_patches(mesh, topology, uses, *contacts);
     const std::size_t count = patches.items.size();
+    const Box bounds = bounding_box(mesh);
     begin_stage(options.execution.progress, "surface sides", count);
     parallel_chunks(count, patches_per_task, options.execution.threads,
                     [&](std::size_t first, std::size_t end) {
                         if (is_cancelled(options.execution.progress)) return;
                         for (std::size_t i = first; i < end; ++i) {
-                            patches.items[i].sides = sides_of(patches.items[i], winding);
+                            patches.items[i].sides =
+                                sides_of(patches.items[i], index.parts(), bounds, mesh);
                         }
                         advance_stage(options.execution.progress, end - first);
                     });

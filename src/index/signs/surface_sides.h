@@ -13,7 +13,6 @@
 #pragma once
 
 #include "index/signs/sign_parts.h"
-#include "octree/winding_number.h"
 #include "proxima/execution.h"
 #include "proxima/mesh_index.h"
 #include "proxima/result.h"
@@ -31,10 +30,10 @@ struct SurfaceSidesOptions {
 
 /// The sides of every triangle, by id; doubtful for those without an area, and for those that meet
 /// others or all but do: within 2^-45 of the mesh's size, or at an edge under less than 1/1000.
-/// About 2 us per triangle of a closed mesh and 20 per patch. The same for any number of threads.
-/// Error: cancelled. \pre all are of the mesh of the winding number
+/// About 2 us per triangle of a closed mesh and 10 per patch. The same for any number of threads.
+/// Error: cancelled. \pre index and topology are the mesh's
 [[nodiscard]] Result<std::vector<SurfaceSides>>
-find_surface_sides(const MeshIndex& index, const Topology& topology, const WindingNumber& winding,
+find_surface_sides(const MeshIndex& index, const TriangleMesh& mesh, const Topology& topology,
                    const SurfaceSidesOptions& options = {});
 
 /// For every triangle with an area whether it meets another such one otherwise than at the vertices

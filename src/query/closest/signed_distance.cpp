@@ -4,6 +4,7 @@
 #include "base/progress.h"
 #include "base/text.h"
 #include "geometry/exact_predicates.h"
+#include "index/crossings.h"
 #include "index/index_parts.h"
 #include "index/signs/sign_geometry.h"
 #include "index/signs/sign_parts.h"
@@ -46,11 +47,11 @@ std::optional<bool> by_height(double height, double doubt) noexcept
 template <class Scalar>
 class SignQuery {
 public:
-    SignQuery(const SignArrays& signs, std::span<const TriangleRow<Scalar>> rows,
+    SignQuery(const IndexParts& index, std::span<const TriangleRow<Scalar>> rows,
               const ClosestFeature& closest, const Vec3& p) noexcept
-        : signs_(signs), rows_(rows), closest_(closest), p_(p),
+        : index_(index), signs_(index.signs()->arrays()), rows_(rows), closest_(closest), p_(p),
           distance_(std::sqrt(closest.squared_distance)),
-          row_(signs.rows[to_index(closest.triangle)])
+          row_(signs_.rows[to_index(closest.triangle)])
     {}
 
     [[nodiscard]] SignedDistance answer() const noexcept
@@ -162,7 +163,7 @@ private:
 
     [[nodiscard]] SurfaceSides sides() const noexcept
     {
-        if (signs_.sides.empty()) return SurfaceSides::doubtful;
+        if (!signs_.is_closed()) return SurfaceSides::doubtful;
         if (closest_.feature.kind == FeatureKind::vertex)
             return signs_.vertex_sides[closest_.feature.id];
         if (closest_.feature.kind == FeatureKind::face) return signs_.sides[row_];
@@ -220,10 +221,17 @@ private:
 
     [[nodiscard]] bool is_inside_by_winding() const noexcept
     {
+        if (signs_.is_closed()) {
+            int windings = 0;
+            visit_crossings(index_, signs_.bounds, {}, p_,
+                            [&](std::uint32_t, int crossing) { windings += crossing; });
+            return windings > 0;
+        }
         return is_inside(
             signs_.winding, [&](std::uint32_t row) { return triangle(row); }, p_);
     }
 
+    const IndexParts& index_;
     const SignArrays& signs_;
     std::span<const TriangleRow<Scalar>> rows_;
     const ClosestFeature& closest_;
@@ -236,9 +244,8 @@ private:
 SignedDistance answer_of(const IndexParts& index, const ClosestFeature& closest,
                          const Vec3& p) noexcept
 {
-    const SignArrays& signs = index.signs()->arrays();
-    return index.double_rows().empty() ? SignQuery(signs, index.float_rows(), closest, p).answer()
-                                       : SignQuery(signs, index.double_rows(), closest, p).answer();
+    return index.double_rows().empty() ? SignQuery(index, index.float_rows(), closest, p).answer()
+                                       : SignQuery(index, index.double_rows(), closest, p).answer();
 }
 
 } // namespace

@@ -2,12 +2,11 @@
 
 #include "base/disjoint_sets.h"
 #include "base/progress.h"
-#include "geometry/exact_predicates.h"
+#include "index/crossings.h"
 #include "index/index_parts.h"
 #include "index/signs/sign_parts.h"
 #include "mesh/coincidence.h"
 #include "query/contact/enclosure_parts.h"
-#include "query/contact/visit_rows.h"
 
 #include <algorithm>
 #include <cmath>
@@ -122,31 +121,6 @@ private:
 
 namespace {
 
-/// On which side of the line from a to b the point is, seen along x, after a shift to larger y and
-/// a much smaller one to larger z: never on it, unless a and b are one.
-int side_of_shifted(const Vec3& a, const Vec3& b, const Vec3& point) noexcept
-{
-    const int side = orient2d({a.y(), a.z()}, {b.y(), b.z()}, {point.y(), point.z()});
-    if (side != 0) return side;
-    if (a.z() != b.z()) return a.z() > b.z() ? 1 : -1;
-    return a.y() == b.y() ? 0 : a.y() < b.y() ? 1 : -1;
-}
-
-/// How the ray along x from the shifted point crosses the triangle: +1 outwards, -1 inwards, or not
-/// at all. An edge that two triangles share is crossed in one of them.
-int crossing_ahead(const Triangle& t, const Vec3& point) noexcept
-{
-    for (const int axis : {1, 2}) {
-        const auto [low, high] = std::minmax({t[0][axis], t[1][axis], t[2][axis]});
-        if (point[axis] < low || point[axis] > high) return 0;
-    }
-    const int turn = side_of_shifted(t[0], t[1], point);
-    if (turn == 0 || side_of_shifted(t[1], t[2], point) != turn ||
-        side_of_shifted(t[2], t[0], point) != turn)
-        return 0;
-    return orient3d(t[0], t[1], t[2], point) * turn < 0 ? turn : 0;
-}
-
 /// Whether the box moved by the pose surely does not hold the point.
 bool surely_outside(const Box& box, const RigidTransform& pose, const Vec3& point) noexcept
 {
@@ -158,40 +132,6 @@ bool surely_outside(const Box& box, const RigidTransform& pose, const Vec3& poin
     return (there.array() < box.lower.array() - slack).any() ||
            (there.array() > box.upper.array() + slack).any();
 }
-
-/// The boxes of an index, moved by a pose and seen from a point: which of them the ray from there
-/// along x may meet.
-class RayAlongX {
-public:
-    RayAlongX(const IndexParts& index, const Box& bounds, const RigidTransform& pose,
-              const Vec3& point) noexcept
-        : turn_(pose.rotation * index.unscale()), from_point_(pose(index.center()) - point)
-    {
-        // The center, corners as the pose rounds them, and what is computed here: each is a sum of
-        // a few products no larger than this, and off by less than eight roundings of it. Boxes
-        // hold the mesh's own corners, except in meshes beyond the largest scale of a frame.
-        const double size =
-            3 * std::max(bounds.lower.cwiseAbs().maxCoeff(), bounds.upper.cwiseAbs().maxCoeff()) *
-                pose.rotation.cwiseAbs().maxCoeff() +
-            pose.translation.cwiseAbs().maxCoeff() + point.cwiseAbs().maxCoeff();
-        slack_ = size < 0x1p999 ? 0x1p-44 * size + 8 * std::numeric_limits<double>::min()
-                                : std::numeric_limits<double>::infinity();
-    }
-
-    /// In the index's frame. True where a number is not finite.
-    [[nodiscard]] bool may_meet(const Vec3& lower, const Vec3& upper) const noexcept
-    {
-        const Vec3 middle = turn_ * (0.5 * (lower + upper)) + from_point_;
-        const Vec3 reach = turn_.cwiseAbs() * (0.5 * (upper - lower));
-        const auto beyond = [&](int axis) { return std::abs(middle[axis]) > reach[axis] + slack_; };
-        return !(beyond(1) || beyond(2) || middle.x() + reach.x() < -slack_);
-    }
-
-private:
-    Mat3 turn_;
-    Vec3 from_point_;
-    double slack_;
-};
 
 bool contains_all(const Enclosure& outer, const RigidTransform& outer_pose, const Enclosure& inner,
                   const RigidTransform& inner_pose) noexcept
@@ -233,15 +173,10 @@ bool encloses(const Enclosure& enclosure, const RigidTransform& pose, const Vec3
     }
     int windings = 0;
     bool odd = false;
-    const RayAlongX ray(index, parts.bounds, pose, point);
-    visit_rows(
-        index, [&](const Vec3& lower, const Vec3& upper) { return ray.may_meet(lower, upper); },
-        [&](std::uint32_t row) {
-            const int crossing = crossing_ahead(pose(index.triangle(row)), point);
-            windings += crossing;
-            odd = odd != (crossing != 0);
-            return Flow::proceed;
-        });
+    visit_crossings(index, parts.bounds, pose, point, [&](std::uint32_t, int crossing) {
+        windings += crossing;
+        odd = !odd;
+    });
     return parts.method == InsideMethod::crossings ? windings != 0 : odd;
 }
 

@@ -2,9 +2,9 @@
 #pragma once
 
 #include "index/index_parts.h"
+#include "index/visit_rows.h"
 #include "proxima/geometry.h"
 #include "proxima/mesh_index.h"
-#include "query/contact/visit_rows.h"
 
 #include <cstdint>
 

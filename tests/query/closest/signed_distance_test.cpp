@@ -228,6 +228,44 @@ TEST(SignedDistance, UsesTheWindingNumberWhereTheSurfaceMeetsItself)
     EXPECT_GT(methods[SignMethod::winding_number], 100);
 }
 
+TEST(SignedDistance, OfManyPartsThatMeetOrNestIsExact)
+{
+    // On a coarse grid, so that vertices, edges and faces of many lie on each other or in line.
+    constexpr unsigned seed = 25;
+    std::mt19937 random(seed);
+    const auto below = [&](unsigned n) { return static_cast<double>(random() % n); };
+    const TriangleMesh octahedron = sample_mesh("octahedron").value();
+    std::vector<Vec3> positions;
+    std::vector<TriangleCorners> triangles;
+    for (int part = 0; part < 400; ++part) {
+        const Vec3 center(below(30), below(30), below(30));
+        const double size = 1 + below(4);
+        const bool inward = random() % 5 == 0;
+        const auto first = static_cast<std::uint32_t>(positions.size());
+        for (const Vec3& corner : octahedron.positions())
+            positions.emplace_back(center + size * corner);
+        for (auto [a, b, c] : octahedron.triangles()) {
+            if (inward) std::swap(b, c);
+            triangles.push_back({first + a, first + b, first + c});
+        }
+    }
+    const Signed of(mesh_of(std::move(positions), std::move(triangles)));
+    Methods methods = expect_exact_signs(of, 900, seed);
+    EXPECT_GT(methods[SignMethod::pseudonormal], 100);
+    EXPECT_GT(methods[SignMethod::winding_number], 100);
+    std::map<SurfaceSides, int> sides;
+    for (const SurfaceSides one : of.arrays().sides) ++sides[one];
+    EXPECT_EQ(sides.size(), 4U) << "some of each";
+    // In the grid's planes and along its lines the ray meets edges and vertices.
+    for (int i = 0; i < 1000; ++i) {
+        const Vec3 p(below(60) / 2, below(60) / 2, below(60) / 2);
+        const SignedDistance found = of.at(p);
+        const auto winding = oracle::exact_winding(of.mesh, p);
+        if (!winding || found.distance == 0) continue;
+        EXPECT_EQ(found.distance < 0, *winding >= 1) << "seed " << seed << ": " << p.transpose();
+    }
+}
+
 TEST(SignedDistance, AcceptsPartsThatShareAVertex)
 {
     // Two cubes that are one vertex in the file: both separate, one star of twelve triangles.
