@@ -7,6 +7,7 @@
 #include "proxima/convex_polyhedron.h"
 #include "proxima/cull.h"
 #include "proxima/device.h"
+#include "proxima/distance_field.h"
 #include "proxima/execution.h"
 #include "proxima/export.h"
 #include "proxima/function_ref.h"

@@ -10,6 +10,7 @@
 #include "index/signs/sign_parts.h"
 #include "proxima/mesh_index.h"
 #include "query/batch_size.h"
+#include "query/closest/winding_side.h"
 
 #include <algorithm>
 #include <array>
@@ -67,7 +68,7 @@ public:
             inside && !(beyond && *inside) ? SignMethod::pseudonormal : SignMethod::winding_number;
         if (beyond) return result;
         // Where squares overflow, whatever mesh there is is a dot.
-        if (inside ? *inside : std::isfinite(distance_) && is_inside_by_winding())
+        if (inside ? *inside : std::isfinite(distance_) && is_inside_by_winding(index_, p_))
             result.distance = -distance_;
         return result;
     }
@@ -219,18 +220,6 @@ private:
         return is_behind_face();
     }
 
-    [[nodiscard]] bool is_inside_by_winding() const noexcept
-    {
-        if (signs_.is_closed()) {
-            int windings = 0;
-            visit_crossings(index_, signs_.bounds, {}, p_,
-                            [&](std::uint32_t, int crossing) { windings += crossing; });
-            return windings > 0;
-        }
-        return is_inside(
-            signs_.winding, [&](std::uint32_t row) { return triangle(row); }, p_);
-    }
-
     const IndexParts& index_;
     const SignArrays& signs_;
     std::span<const TriangleRow<Scalar>> rows_;
@@ -249,6 +238,20 @@ SignedDistance answer_of(const IndexParts& index, const ClosestFeature& closest,
 }
 
 } // namespace
+
+bool is_inside_by_winding(const IndexParts& index, const Vec3& p) noexcept
+{
+    const SignArrays& signs = index.signs()->arrays();
+    if (!signs.bounds.contains(p)) return false;
+    if (signs.is_closed()) {
+        int windings = 0;
+        visit_crossings(index, signs.bounds, {}, p,
+                        [&](std::uint32_t, int crossing) { windings += crossing; });
+        return windings > 0;
+    }
+    return is_inside(
+        signs.winding, [&](std::uint32_t row) { return index.triangle(row); }, p);
+}
 
 bool has_local_signs(const MeshIndex& index) noexcept
 {

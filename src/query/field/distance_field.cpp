@@ -1,0 +1,158 @@
+#include "proxima/distance_field.h"
+
+#include "base/parallel.h"
+#include "base/progress.h"
+#include "base/text.h"
+#include "geometry/exact_predicates.h"
+#include "index/index_parts.h"
+#include "index/signs/sign_parts.h"
+#include "query/closest/describe_closest.h"
+#include "query/closest/winding_side.h"
+#include "query/field/search_grid.h"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+namespace proxima {
+
+namespace {
+
+/// Writes what searches of blocks find.
+class FieldWriter {
+public:
+    FieldWriter(const MeshIndex& index, const PointGrid& grid, const FieldOutputs& outputs,
+                double band) noexcept
+        : index_(index), parts_(index.parts()), grid_(grid), to_(outputs), band_(band),
+          is_closed_(parts_.signs()->arrays().is_closed())
+    {}
+
+    void write(const GridAnswers& answers) const
+    {
+        const bool is_one_side = answers.is_clear && is_closed_;
+        std::optional<bool> inside;
+        const auto is_inside = [&](const Vec3& p) {
+            if (!inside || !is_one_side) inside = is_inside_by_winding(parts_, p);
+            return *inside;
+        };
+        const bool is_plain = answers.is_clear && to_.gradients.empty() && to_.methods.empty();
+        const auto [width, height, depth] = answers.block.size;
+        const auto [i, j, k] = answers.block.first;
+        const RowDistance* found = answers.found.data();
+        for (std::uint32_t z = 0; z < depth; ++z) {
+            for (std::uint32_t y = 0; y < height; ++y) {
+                const std::size_t row = grid_.position(i, j + y, k + z);
+                for (std::uint32_t x = 0; x < width; ++x) {
+                    const Vec3 p = grid_.point(i + x, j + y, k + z);
+                    const double distance = answers.found.empty() ? HUGE_VAL : distance_of(*found);
+                    if (!(distance <= band_)) {
+                        put(row + x, is_inside(p) ? -band_ : band_, Vec3::Zero(),
+                            SignMethod::winding_number);
+                    } else if (is_plain) {
+                        to_.distances[row + x] = is_inside(p) ? -distance : distance;
+                    } else {
+                        describe(row + x, p, *found);
+                    }
+                    if (!answers.found.empty()) ++found;
+                }
+            }
+        }
+    }
+
+private:
+    [[nodiscard]] double distance_of(const RowDistance& found) const noexcept
+    {
+        return std::sqrt(row_scale_of(parts_).unscale_squared(found.squared));
+    }
+
+    void describe(std::size_t at, const Vec3& p, const RowDistance& found) const
+    {
+        // Not nothing: the index has signs and the point is finite.
+        const SignedDistance answer = *sign_of(index_, describe_closest(parts_, found), p);
+        Vec3 gradient = Vec3::Zero();
+        if (!to_.gradients.empty()) gradient = gradient_of(answer, p);
+        put(at, answer.distance, gradient, answer.method);
+    }
+
+    [[nodiscard]] Vec3 gradient_of(const SignedDistance& answer, const Vec3& p) const
+    {
+        const Vec3 away = (p - answer.closest.point).stableNormalized();
+        if (answer.distance != 0 && !away.isZero()) return answer.distance > 0 ? away : Vec3(-away);
+        const std::uint32_t row = parts_.signs()->arrays().rows[to_index(answer.closest.triangle)];
+        const Triangle triangle = parts_.triangle(row);
+        return unit_normal({triangle[0], triangle[1]}, {triangle[0], triangle[2]});
+    }
+
+    void put(std::size_t at, double distance, const Vec3& gradient, SignMethod method) const
+    {
+        if (!to_.distances.empty()) to_.distances[at] = distance;
+        if (!to_.gradients.empty()) to_.gradients[at] = gradient;
+        if (!to_.methods.empty()) to_.methods[at] = method;
+    }
+
+    const MeshIndex& index_;
+    const IndexParts& parts_;
+    const PointGrid& grid_;
+    const FieldOutputs& to_;
+    double band_;
+    bool is_closed_;
+};
+
+Status check_arguments(const MeshIndex& index, const PointGrid& grid, const FieldOutputs& outputs,
+                       double band)
+{
+    const auto bad = [](std::string what, const char* where) {
+        return fail(ErrorCode::invalid_argument, std::move(what), where);
+    };
+    if (!index.has_signs()) return bad("the index has no signs: call with_signs first", "index");
+    if (std::ranges::find(grid.size, 0U) != grid.size.end())
+        return bad("a grid without points", "grid");
+    if (!(grid.spacing > 0)) return bad("the spacing is no positive number", "grid");
+    const Vec3 last = grid.point(grid.size[0] - 1, grid.size[1] - 1, grid.size[2] - 1);
+    if (!grid.origin.allFinite() || !(last - grid.origin).allFinite())
+        return bad("a point of the grid is not finite", "grid");
+    if (!(band > 0)) return bad("the band is no positive number", "band");
+    for (const std::size_t size :
+         {outputs.distances.size(), outputs.gradients.size(), outputs.methods.size()}) {
+        if (size != 0 && size != grid.point_count()) {
+            return bad(concat("a list of ", size, " answers, but the grid has ", grid.point_count(),
+                              " points"),
+                       "outputs");
+        }
+    }
+    return {};
+}
+
+} // namespace
+
+Status distance_field(const MeshIndex& index, const PointGrid& grid, const FieldOutputs& outputs,
+                      const FieldOptions& options)
+{
+    if (Status status = check_arguments(index, grid, outputs, options.band); !status) return status;
+    if (outputs.distances.empty() && outputs.gradients.empty() && outputs.methods.empty())
+        return {};
+    const FieldWriter writer(index, grid, outputs, options.band);
+    std::array<std::size_t, 3> blocks{};
+    for (std::size_t axis = 0; axis < 3; ++axis)
+        blocks[axis] = chunk_count(grid.size[axis], grid_block_side);
+    Progress* const progress = options.execution.progress;
+    begin_stage(progress, "distance field", grid.point_count());
+    parallel_for(
+        blocks[0] * blocks[1] * blocks[2], options.execution.threads, [&](std::size_t number) {
+            if (is_cancelled(progress)) return;
+            const std::array<std::size_t, 3> place = {
+                number % blocks[0], number / blocks[0] % blocks[1], number / blocks[0] / blocks[1]};
+            GridBlock block;
+            for (std::size_t axis = 0; axis < 3; ++axis) {
+                block.first[axis] = static_cast<std::uint32_t>(place[axis]) * grid_block_side;
+                block.size[axis] = std::min(grid_block_side, grid.size[axis] - block.first[axis]);
+            }
+            search_grid(index.parts(), grid, block, options.band,
+                        [&](const GridAnswers& answers) { writer.write(answers); });
+            advance_stage(progress, std::size_t{block.size[0]} * block.size[1] * block.size[2]);
+        });
+    if (is_cancelled(progress)) return cancelled("filling the distance field");
+    return {};
+}
+
+} // namespace proxima

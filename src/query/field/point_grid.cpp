@@ -1,0 +1,64 @@
+#include "base/text.h"
+#include "proxima/distance_field.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace proxima {
+
+namespace {
+
+constexpr double most_points = 0x1p40;
+
+tl::unexpected<Error> bad_grid(const char* what, const char* where)
+{
+    return fail(ErrorCode::invalid_argument, what, where);
+}
+
+} // namespace
+
+Result<PointGrid> grid_around(const Box& box, const GridOptions& options)
+{
+    if (box.empty() || !box.lower.allFinite() || !box.upper.allFinite() ||
+        !box.extent().allFinite())
+        return bad_grid("the box is empty or not finite", "box");
+    if (!(options.margin >= 0) || !std::isfinite(options.margin))
+        return bad_grid("the margin is no finite number from 0 up", "margin");
+    if (!(options.spacing >= 0) || !std::isfinite(options.spacing))
+        return bad_grid("the spacing is no finite number from 0 up", "spacing");
+    if (options.spacing == 0 && options.resolution < 2)
+        return bad_grid("a resolution below 2 has no spacing", "resolution");
+    const double longest = box.extent().maxCoeff();
+    const Vec3 extent = box.extent() + Vec3::Constant(2 * options.margin * longest);
+    PointGrid grid;
+    grid.spacing =
+        options.spacing > 0 ? options.spacing : extent.maxCoeff() / (options.resolution - 1.0);
+    if (!(grid.spacing > 0)) {
+        return bad_grid("the box is a point: give a spacing", "spacing");
+    }
+    double points = 1;
+    std::array<double, 3> counts{};
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+        // One that a resolution divides evenly must not round to one point more.
+        const double steps = extent[static_cast<Eigen::Index>(axis)] / grid.spacing;
+        counts[axis] = std::max(std::ceil(steps * (1 - 0x1p-40)), 1.0) + 1;
+        points *= counts[axis];
+    }
+    if (!(points <= most_points)) {
+        return fail(
+            ErrorCode::invalid_argument,
+            concat("a spacing of ", grid.spacing, " makes ", points, " points: 2^40 are the most"),
+            "spacing");
+    }
+    const Vec3 middle = box.center();
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+        const auto k = static_cast<Eigen::Index>(axis);
+        if (counts[axis] > 0x1p31)
+            return bad_grid("more than 2^31 points along an axis", "spacing");
+        grid.size[axis] = static_cast<std::uint32_t>(counts[axis]);
+        grid.origin[k] = middle[k] - 0.5 * grid.spacing * (counts[axis] - 1);
+    }
+    return grid;
+}
+
+} // namespace proxima

@@ -1,0 +1,46 @@
+// The closest features of all points of a regular grid, block by block.
+//
+//     block   up to 32^3 points: the leaves of the index that may be closest to one of them, by the
+//             distance of its middle and its size
+//     half    of each of its eight blocks those of these leaves that may be, and so on, down to
+//             blocks of 64 points or 8
+//     point   the leaves of its block, the one of the last answer first; triangles as every search
+//             of the index looks at them (closest/search_index-inl.h)
+#pragma once
+
+#include "index/index_parts.h"
+#include "index/triangle_row.h"
+#include "proxima/distance_field.h"
+#include "proxima/function_ref.h"
+
+#include <array>
+#include <cstdint>
+#include <span>
+
+namespace proxima {
+
+/// Points of a grid, a box of them.
+struct GridBlock {
+    std::array<std::uint32_t, 3> first{};
+    std::array<std::uint32_t, 3> size{};
+};
+
+/// Points along each side of the blocks that a search begins with.
+inline constexpr std::uint32_t grid_block_side = 32;
+
+struct GridAnswers {
+    GridBlock block;
+    /// By point, x fastest; what is beyond the band may be found or not. Empty where all points of
+    /// the block are beyond it.
+    std::span<const RowDistance> found;
+    /// No point of the surface is in the block, nor within rounding of it.
+    bool is_clear = false;
+};
+
+/// Searches for the closest features of a block's points, those no farther than the band, and hands
+/// them over in pieces, each point once. \pre the grid's points are finite, the block is in the grid
+/// and no side is longer than grid_block_side
+void search_grid(const IndexParts& index, const PointGrid& grid, const GridBlock& block,
+                 double band, FunctionRef<void(const GridAnswers&)> take);
+
+} // namespace proxima

@@ -1,0 +1,222 @@
+#include "proxima/distance_field.h"
+
+#include "geometry/exact_predicates.h"
+#include "index/test_meshes.h"
+#include "proxima/sample_meshes.h"
+#include "query/closest/signed_mesh.h"
+
+#include <cmath>
+#include <gtest/gtest.h>
+#include <map>
+#include <string>
+#include <vector>
+
+namespace proxima {
+namespace {
+
+using namespace testing;
+
+struct Field {
+    explicit Field(const PointGrid& g)
+        : grid(g), distances(g.point_count()), gradients(g.point_count()), methods(g.point_count())
+    {}
+
+    [[nodiscard]] Status fill(const MeshIndex& index, const FieldOptions& options = {})
+    {
+        return distance_field(index, grid,
+                              {.distances = distances, .gradients = gradients, .methods = methods},
+                              options);
+    }
+
+    PointGrid grid;
+    std::vector<double> distances;
+    std::vector<Vec3> gradients;
+    std::vector<SignMethod> methods;
+};
+
+template <class Visit>
+void for_each_point(const PointGrid& grid, const Visit& visit)
+{
+    for (std::uint32_t k = 0; k < grid.size[2]; ++k) {
+        for (std::uint32_t j = 0; j < grid.size[1]; ++j) {
+            for (std::uint32_t i = 0; i < grid.size[0]; ++i)
+                visit(grid.position(i, j, k), grid.point(i, j, k));
+        }
+    }
+}
+
+/// Whether all points have the bits of single queries, beyond the band its width with the sign.
+void expect_single_answers(const Signed& of, const PointGrid& grid, double band = HUGE_VAL)
+{
+    Field all(grid);
+    ASSERT_TRUE(all.fill(of.index, {.band = band}));
+    std::vector<double> plain(grid.point_count());
+    ASSERT_TRUE(distance_field(of.index, grid, {.distances = plain}, {.band = band}));
+    std::size_t different = 0;
+    std::size_t at = 0;
+    for_each_point(grid, [&](std::size_t position, const Vec3& p) {
+        EXPECT_EQ(position, at++);
+        const SignedDistance single = of.at(p);
+        const bool beyond = !(std::abs(single.distance) <= band);
+        const double wanted = beyond ? std::copysign(band, single.distance) : single.distance;
+        const SignMethod method = beyond ? SignMethod::winding_number : single.method;
+        if (all.distances[position] != wanted || plain[position] != wanted ||
+            all.methods[position] != method) {
+            if (different++ == 0) {
+                ADD_FAILURE() << "first at " << p.transpose() << ": " << all.distances[position]
+                              << " and alone " << plain[position] << ", not " << wanted;
+            }
+        }
+        const Vec3& gradient = all.gradients[position];
+        if (beyond) {
+            EXPECT_EQ(gradient, Vec3::Zero());
+        } else if (single.distance != 0 && std::isfinite(single.distance)) {
+            const Vec3 foot = p - single.distance * gradient;
+            EXPECT_LT((foot - single.closest.point).norm(),
+                      1e-12 * (p.norm() + std::abs(single.distance)));
+        } else if (!is_degenerate(of.mesh.triangle(single.closest.triangle))) {
+            EXPECT_NEAR(gradient.norm(), 1, 1e-12);
+        }
+    });
+    EXPECT_EQ(different, 0U);
+}
+
+PointGrid grid_of(const TriangleMesh& mesh, std::uint32_t resolution, double margin = 0.1)
+{
+    return grid_around(bounding_box(mesh), {.resolution = resolution, .margin = margin}).value();
+}
+
+TEST(DistanceField, HasTheBitsOfSingleQueries)
+{
+    const std::vector<NamedMesh> meshes = {
+        {"sphere", sample_mesh("icosphere:4").value()},
+        {"torus", sample_mesh("torus:40x20").value()},
+        {"cube", cube_mesh(Vec3(0.3, 0, 0), 1)},
+        {"parts that meet", sample_mesh("spaceship:1300").value()},
+        {"nested", joined(ball(Vec3::Zero(), 1), inverted(ball(Vec3::Zero(), 0.5)))},
+        {"slivers", sliver_strip()},
+        {"one triangle", mesh_of({Vec3(0, 0, 0), Vec3(1, 0, 0), Vec3(0, 1, 0)}, {{0, 1, 2}})},
+        {"one point", mesh_of({Vec3(1, 2, 3), Vec3(1, 2, 3), Vec3(1, 2, 3)}, {{0, 1, 2}})},
+        {"tiny", moved(ball(Vec3::Zero(), 1), [](const Vec3& p) { return Vec3(1e-30 * p); })},
+        {"huge", moved(ball(Vec3::Zero(), 1), [](const Vec3& p) { return Vec3(1e30 * p); })},
+        {"far away", moved(ball(Vec3::Zero(), 1),
+                           [](const Vec3& p) { return Vec3(p + Vec3(1e9, -1e9, 1e9)); })}};
+    for (const NamedMesh& named : meshes) {
+        SCOPED_TRACE(named.name);
+        const Signed of(named.mesh);
+        PointGrid grid{.origin = Vec3(0.9, 1.9, 2.9), .spacing = 0.05, .size = {7, 5, 6}};
+        if (bounding_box(of.mesh).extent().maxCoeff() > 0) grid = grid_of(of.mesh, 37);
+        expect_single_answers(of, grid);
+        const double size = grid.spacing * grid.size[0];
+        for (const double band : {0.02 * size, 0.3 * size}) expect_single_answers(of, grid, band);
+    }
+}
+
+TEST(DistanceField, HasThemOnBrokenMeshesAndGridsOfAnyShape)
+{
+    for (std::uint32_t seed = 1; seed <= 40; ++seed) {
+        SCOPED_TRACE("seed " + std::to_string(seed));
+        const Signed of(grid_mesh(seed));
+        // Points on vertices, edges and faces, and others.
+        expect_single_answers(of,
+                              {.origin = Vec3(-1, -1, -1), .spacing = 0.5, .size = {13, 11, 12}},
+                              seed % 3 == 0 ? 0.7 : HUGE_VAL);
+    }
+    const Signed of(sample_mesh("icosphere:4").value());
+    using Size = std::array<std::uint32_t, 3>;
+    for (const Size& size : {Size{1, 1, 1}, Size{70, 1, 1}, Size{1, 66, 2}, Size{33, 3, 34}})
+        expect_single_answers(of,
+                              {.origin = Vec3(-1.1, -0.2, -0.3), .spacing = 0.031, .size = size});
+    // From so far that floats tell nothing apart, and farther; with points that are apart by more
+    // than the mesh is large.
+    for (const double away : {60.0, 70.0, 1e5, 1e160})
+        expect_single_answers(of, {.origin = Vec3(away, 1, 0), .spacing = 0.5, .size = {5, 4, 3}});
+    expect_single_answers(of,
+                          {.origin = Vec3(-100, -90, -80), .spacing = 13, .size = {17, 16, 15}});
+}
+
+TEST(DistanceField, IsThatOfASphere)
+{
+    const Signed of(sample_mesh("icosphere:5").value());
+    Field field(grid_of(of.mesh, 24));
+    ASSERT_TRUE(field.fill(of.index));
+    for_each_point(field.grid, [&](std::size_t at, const Vec3& p) {
+        EXPECT_NEAR(field.distances[at], p.norm() - 1, 1e-3);
+        if (p.norm() < 0.2) return;
+        EXPECT_GT(field.gradients[at].dot(p.normalized()), 0.99);
+    });
+}
+
+TEST(DistanceField, IsTheSameForAnyNumberOfThreadsAndCanBeCancelled)
+{
+    const Signed of(sample_mesh("torus:40x20").value());
+    const PointGrid grid = grid_of(of.mesh, 70);
+    Field one(grid);
+    Field many(grid);
+    ASSERT_TRUE(one.fill(of.index, {.execution = {.threads = {1}}}));
+    ASSERT_TRUE(many.fill(of.index, {.execution = {.threads = {3}}}));
+    EXPECT_EQ(one.distances, many.distances);
+    EXPECT_EQ(one.gradients, many.gradients);
+    EXPECT_EQ(one.methods, many.methods);
+    Progress progress;
+    progress.cancel();
+    const Status stopped = many.fill(of.index, {.execution = {.progress = &progress}});
+    ASSERT_FALSE(stopped);
+    EXPECT_EQ(stopped.error().code, ErrorCode::cancelled);
+}
+
+TEST(DistanceField, RefusesBadArguments)
+{
+    const Signed of(sample_mesh("octahedron").value());
+    std::vector<double> eight(8);
+    const auto refused = [&](const MeshIndex& index, const PointGrid& grid, double band,
+                             const std::string& words) {
+        const Status status = distance_field(index, grid, {.distances = eight}, {.band = band});
+        ASSERT_FALSE(status) << words;
+        EXPECT_EQ(status.error().code, ErrorCode::invalid_argument);
+        EXPECT_NE(status.error().message.find(words), std::string::npos) << status.error().message;
+    };
+    const PointGrid good{.spacing = 1, .size = {2, 2, 2}};
+    refused(build_mesh_index(of.mesh).value(), good, 1, "no signs");
+    refused(of.index, {.spacing = 0, .size = {2, 2, 2}}, 1, "spacing");
+    refused(of.index, {.spacing = NAN, .size = {2, 2, 2}}, 1, "spacing");
+    refused(of.index, {.spacing = 1e308, .size = {2, 2, 9}}, 1, "finite");
+    refused(of.index, {.origin = Vec3(NAN, 0, 0), .size = {2, 2, 2}}, 1, "finite");
+    refused(of.index, {.size = {2, 0, 2}}, 1, "without points");
+    refused(of.index, good, 0, "band");
+    refused(of.index, good, NAN, "band");
+    refused(of.index, {.size = {2, 2, 3}}, 1, "12 points");
+    EXPECT_TRUE(distance_field(of.index, good, {}));
+}
+
+TEST(DistanceField, GridsReachRoundABox)
+{
+    const Box box{Vec3(-1, 0, 2), Vec3(1, 0.5, 2)};
+    const PointGrid grid = grid_around(box, {.resolution = 11, .margin = 0}).value();
+    EXPECT_EQ(grid.size, (std::array<std::uint32_t, 3>{11, 4, 2}));
+    EXPECT_DOUBLE_EQ(grid.spacing, 0.2);
+    EXPECT_EQ(grid.point(0, 0, 0).x(), -1);
+    EXPECT_NEAR(grid.point(10, 0, 0).x(), 1, 1e-15);
+    for (const double spacing : {0.1, 0.3, 5.0}) {
+        const PointGrid wide = grid_around(box, {.spacing = spacing, .margin = 0.25}).value();
+        EXPECT_EQ(wide.spacing, spacing);
+        const auto [a, b, c] = wide.size;
+        const Box covered{wide.origin, wide.point(a - 1, b - 1, c - 1)};
+        EXPECT_TRUE((covered.lower.array() <= box.lower.array() - 0.5 + 1e-12).all());
+        EXPECT_TRUE((covered.upper.array() >= box.upper.array() + 0.5 - 1e-12).all());
+        EXPECT_TRUE((covered.extent().array() < box.extent().array() + 1 + 2 * spacing).all());
+    }
+    const auto refused = [](const Box& of, const GridOptions& options) {
+        const auto made = grid_around(of, options);
+        return !made && made.error().code == ErrorCode::invalid_argument;
+    };
+    EXPECT_TRUE(refused({}, {}));
+    EXPECT_TRUE(refused({Vec3(0, 0, 0), Vec3(0, 0, 0)}, {}));
+    EXPECT_TRUE(refused(box, {.resolution = 1}));
+    EXPECT_TRUE(refused(box, {.margin = -1}));
+    EXPECT_TRUE(refused(box, {.spacing = NAN}));
+    EXPECT_TRUE(refused(box, {.spacing = 1e-6}));
+}
+
+} // namespace
+} // namespace proxima
