@@ -9,8 +9,8 @@
 //     double at = distances[grid->position(3, 4, 5)];    // negative inside
 //
 // Each is what signed_distance says at that point, bit for bit. The grid is cut into blocks, blocks
-// into eight again and again, and each keeps the leaves of the index that may be closest to one of
-// its points: those are looked at, not the whole tree. Of a block that the surface of a closed mesh
+// into eight again and again, and each keeps what may be closest to one of its points, leaves of the
+// index first and in the end a few triangles: those are looked at, not the whole tree. Of a block that the surface of a closed mesh
 // does not enter one point is asked on which side it is.
 #pragma once
 
@@ -82,7 +82,7 @@ struct FieldOptions {
 };
 
 /// Fills a grid with signed distances. The same for any number of threads, and with every instruction
-/// set. About 0.3 us per point of a closed mesh on one thread; of an open one some microseconds more,
+/// set. About 0.5 us per point of a closed mesh on one thread; of an open one some microseconds more,
 /// for winding numbers. Thread safe. Allocates some MB per thread at most, for meshes of millions of
 /// triangles. Errors: invalid_argument (the index has no signs, a span has another size, spacing or
 /// band is not positive, a point is not finite), cancelled, after which the outputs are filled in

@@ -78,10 +78,8 @@ struct IndexQuery {
         if (!(size <= far)) return size < endless_distance ? QueryStart::far : QueryStart::endless;
         for (std::size_t axis = 0; axis < 3; ++axis)
             p[axis] = static_cast<float>(at[static_cast<Eigen::Index>(axis)]);
-        constexpr double root_3 = 1.7321;
-        // Vertices are within 1 of the center, their rounding and that of doubles within 0.01 more.
-        const double farthest = root_3 * (size + 1.01);
-        error = static_cast<float>(farthest * (1 + 0x1p-20)) * roundoff;
+        const double farthest = farthest_from(size);
+        error = rounding_from(size);
         const double wanted = known * index.scale();
         set_reach(static_cast<float>(((wanted < farthest ? wanted : farthest) + 0x1p-38) *
                                      (1 + 0x1p-20)));
@@ -94,6 +92,19 @@ struct IndexQuery {
         next = index.root();
         best = {};
         return QueryStart::near;
+    }
+
+    /// No vertex is farther from a point whose largest coordinate in the frame is `size`.
+    [[nodiscard]] static double farthest_from(double size) noexcept
+    {
+        constexpr double root_3 = 1.7321;
+        // Vertices are within 1 of the center, their rounding and that of doubles within 0.01 more.
+        return root_3 * (size + 1.01);
+    }
+    /// By which rounding such a point and the vertices to floats moves distances.
+    [[nodiscard]] static float rounding_from(double size) noexcept
+    {
+        return static_cast<float>(farthest_from(size) * (1 + 0x1p-20)) * roundoff;
     }
 
     /// Squared distances of triangles beyond this are not wanted.
@@ -115,10 +126,15 @@ struct IndexQuery {
     {
         if (!(squared < least)) return;
         least = squared;
-        const float distance = std::sqrt(squared);
-        const float size = std::sqrt(squared + foot_error_squared(distance, leaf_extent)) +
-                           error_of(distance, leaf_extent) * (1 + 0x1p-10F);
+        const float size = most_distance(squared, leaf_extent);
         if (size < reach) set_reach(size * (1 + 0x1p-20F));
+    }
+    /// The distance of a triangle whose square floats have so, rounded up.
+    [[nodiscard]] float most_distance(float squared, float leaf_extent) const noexcept
+    {
+        const float distance = std::sqrt(squared);
+        return std::sqrt(squared + foot_error_squared(distance, leaf_extent)) +
+               error_of(distance, leaf_extent) * (1 + 0x1p-10F);
     }
     /// Takes the best answer for it.
     void shrink_to_best() noexcept

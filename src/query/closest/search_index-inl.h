@@ -170,8 +170,8 @@ PROXIMA_STEP void enter_node(const IndexBlock* blocks, const IndexNode& node, co
     leave(query);
 }
 
-/// What floats say of a leaf's triangles.
-struct LeafTriangles {
+/// What floats say of triangles.
+struct TriangleDistances {
     Eight squared;   ///< of slivers: of their sides
     EightMask sound; ///< is no sliver
 };
@@ -194,20 +194,30 @@ struct LeafTriangles {
 inline constexpr float sliver_sine_squared = 1.0F / 625;
 inline constexpr float sliver_area = 1e-30F;
 
-PROXIMA_STEP LeafTriangles leaf_triangles(const IndexLeaf& leaf, const Eight3& p)
+/// Eight triangles by their corners.
+struct EightTriangles {
+    Eight3 v[3];
+};
+
+PROXIMA_LANE_OP EightTriangles triangles_of(const IndexLeaf& leaf)
 {
     const Eight3 points{load_eight(leaf.coordinates[0].data()),
                         load_eight(leaf.coordinates[1].data()),
                         load_eight(leaf.coordinates[2].data())};
+    EightTriangles triangles;
+    for (std::size_t i = 0; i < 3; ++i)
+        triangles.v[i] = look_up(points, indices_of_bytes(leaf.corners[i].data()));
+    return triangles;
+}
+
+/// How far they are from eight points, lane by lane.
+PROXIMA_STEP TriangleDistances distances_of(const EightTriangles& triangles, const Eight3& p)
+{
     const Eight zero = eight(0.0F);
     const Eight one = eight(1.0F);
     const Eight tiny = eight(1e-37F);
-    Eight3 v[3];
-    Eight3 a[3];
-    for (std::size_t i = 0; i < 3; ++i) {
-        v[i] = look_up(points, indices_of_bytes(leaf.corners[i].data()));
-        a[i] = v[i] - p;
-    }
+    const Eight3(&v)[3] = triangles.v;
+    const Eight3 a[3] = {v[0] - p, v[1] - p, v[2] - p};
     const Eight3 w[3] = {v[1] - v[0], v[2] - v[1], v[0] - v[2]};
     Eight length[3];
     Eight ahead[3]; // of the corner from p, along the side
@@ -264,24 +274,22 @@ HWY_INLINE void prefetch_row_of(const TriangleRow<Scalar>& row)
     if (sizeof(row) > 64) hwy::Prefetch(reinterpret_cast<const std::byte*>(&row) + 64);
 }
 
-/// The triangles of a leaf: shrinks the ball, takes candidates.
-template <class Scalar>
-PROXIMA_STEP void visit_leaf(const IndexParts& index, std::span<const TriangleRow<Scalar>> rows,
-                             const IndexLeaf& leaf, const Eight3& lanes, const Vec3& p,
-                             IndexQuery& query)
+/// Shrinks the ball and takes candidates. The first `count` of the triangles are asked for, the
+/// others have corners of these; row_of(lane) is where one is.
+template <class Scalar, class RowOf>
+PROXIMA_STEP void take_triangles(const IndexParts& index, std::span<const TriangleRow<Scalar>> rows,
+                                 const TriangleDistances& distances, std::uint32_t count,
+                                 float extent, const RowOf& row_of, const Vec3& p,
+                                 IndexQuery& query)
 {
-    const float extent = std::bit_cast<float>(static_cast<std::uint32_t>(leaf.extent_bits) << 16U);
-    const LeafTriangles triangles = leaf_triangles(leaf, lanes);
-    const float least = least_of(triangles.squared);
-    // Lanes beyond the last triangle have the leaf's first vertex.
-    query.shrink(least, extent);
+    query.shrink(least_of(distances.squared), extent);
     const float limit = query.limit(extent);
-    const Eight limits = choose(triangles.sound, eight(limit), eight(query.sliver_limit(extent)));
-    const std::uint32_t bits = (triangles.squared <= limits).bits() & ((1U << leaf.count) - 1);
+    const Eight limits = choose(distances.sound, eight(limit), eight(query.sliver_limit(extent)));
+    const std::uint32_t bits = (distances.squared <= limits).bits() & ((1U << count) - 1);
     if (bits == 0) return;
-    const std::uint32_t sound = triangles.sound.bits();
+    const std::uint32_t sound = distances.sound.bits();
     HWY_ALIGN float squared[8];
-    store_eight(triangles.squared, squared);
+    store_eight(distances.squared, squared);
     if (query.candidate_count + 8 > query.candidates.size()) [[unlikely]] {
         settle(index, rows, p, query);
         query.shrink_to_best();
@@ -289,11 +297,27 @@ PROXIMA_STEP void visit_leaf(const IndexParts& index, std::span<const TriangleRo
     query.extent = HWY_MAX(query.extent, extent);
     for (std::uint32_t left = bits; left != 0; left &= left - 1) {
         const auto lane = static_cast<std::uint32_t>(std::countr_zero(left));
-        const std::uint32_t row = leaf.first_row + lane;
+        const std::uint32_t row = row_of(lane);
         prefetch_row_of(rows[row]);
         query.candidates[query.candidate_count++] = {
             (sound >> lane & 1U) != 0 ? squared[lane] : 0.0F, row};
     }
+}
+
+HWY_INLINE float extent_of(const IndexLeaf& leaf)
+{
+    return std::bit_cast<float>(static_cast<std::uint32_t>(leaf.extent_bits) << 16U);
+}
+
+/// The triangles of a leaf. Lanes beyond the last one have its first vertex.
+template <class Scalar>
+PROXIMA_STEP void visit_leaf(const IndexParts& index, std::span<const TriangleRow<Scalar>> rows,
+                             const IndexLeaf& leaf, const Eight3& lanes, const Vec3& p,
+                             IndexQuery& query)
+{
+    take_triangles(
+        index, rows, distances_of(triangles_of(leaf), lanes), leaf.count, extent_of(leaf),
+        [&](std::uint32_t lane) { return leaf.first_row + lane; }, p, query);
 }
 
 /// One block. False where the search has ended.

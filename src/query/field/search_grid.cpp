@@ -31,6 +31,7 @@ public:
         std::array<std::array<float, 8>, 3> lower;
         std::array<std::array<float, 8>, 3> upper;
         std::array<std::uint32_t, 8> leaves;
+        std::uint32_t count;
     };
 
     [[nodiscard]] std::span<const Group> groups() const noexcept { return groups_; }
@@ -47,7 +48,8 @@ public:
     {
         constexpr float rounding = 0x1p-20F;
         Group& group = group_for_one_more();
-        const std::size_t lane = size_++ % 8;
+        const std::size_t lane = group.count++;
+        ++size_;
         for (std::size_t axis = 0; axis < 3; ++axis) {
             float least = std::numeric_limits<float>::infinity();
             float most = -least;
@@ -66,7 +68,8 @@ public:
     void add(const Group& from, std::size_t at)
     {
         Group& group = group_for_one_more();
-        const std::size_t lane = size_++ % 8;
+        const std::size_t lane = group.count++;
+        ++size_;
         for (std::size_t axis = 0; axis < 3; ++axis) {
             group.lower[axis][lane] = from.lower[axis][at];
             group.upper[axis][lane] = from.upper[axis][at];
@@ -80,6 +83,7 @@ private:
         if (size_ % 8 == 0) {
             constexpr float none = std::numeric_limits<float>::infinity();
             groups_.emplace_back();
+            groups_.back().count = 0;
             for (auto& lower : groups_.back().lower) lower.fill(none);
             for (auto& upper : groups_.back().upper) upper.fill(-none);
         }
@@ -90,13 +94,58 @@ private:
     std::size_t size_ = 0;
 };
 
+/// Triangles in the index's frame, eight side by side, and their rows.
+class TriangleLanes {
+public:
+    /// Lanes without a triangle have the first one's corners.
+    struct alignas(32) Group {
+        std::array<std::array<std::array<float, 8>, 3>, 3> corners; ///< by corner, then axis
+        std::array<std::uint32_t, 8> rows;
+        std::uint32_t count;
+        float extent; ///< the largest of the leaves that they are from
+    };
+
+    [[nodiscard]] std::span<const Group> groups() const noexcept { return groups_; }
+
+    void clear() noexcept { groups_.clear(); }
+
+    /// The triangles with a bit in `lanes`, of eight whose corners are `corners[k][axis][lane]`.
+    template <class RowOf>
+    void add(const float (&corners)[3][3][8], std::uint32_t lanes, float extent,
+             const RowOf& row_of)
+    {
+        for (; lanes != 0; lanes &= lanes - 1) {
+            const auto lane = static_cast<std::uint32_t>(std::countr_zero(lanes));
+            const bool opens = groups_.empty() || groups_.back().count == 8;
+            if (opens) groups_.push_back({.corners = {}, .rows = {}, .count = 0, .extent = 0});
+            Group& group = groups_.back();
+            for (std::size_t k = 0; k < 3; ++k) {
+                for (std::size_t axis = 0; axis < 3; ++axis) {
+                    const float at = corners[k][axis][lane];
+                    if (opens) {
+                        group.corners[k][axis].fill(at);
+                    } else {
+                        group.corners[k][axis][group.count] = at;
+                    }
+                }
+            }
+            group.rows[group.count++] = row_of(lane);
+            group.extent = std::max(group.extent, extent);
+        }
+    }
+
+private:
+    std::vector<Group> groups_;
+};
+
 /// A search on its way: what it was asked, and memory that it uses again.
 struct GridSearch {
     const IndexParts& index;
     const PointGrid& grid;
     double band;
     FunctionRef<void(const GridAnswers&)> take;
-    std::array<LeafBoxes, 6> leaves; ///< by level: of blocks of 32 points a side, 16, 8, 4, 2, 1
+    std::array<LeafBoxes, 3> leaves;        ///< by level: of blocks of 32 points a side, 16, 8
+    std::array<TriangleLanes, 3> triangles; ///< of blocks of 8, 4, 2
     std::vector<RowDistance> found;
 };
 
@@ -140,6 +189,119 @@ PROXIMA_LANE_OP Eight box_distances(const LeafBoxes::Group& group, const Eight3&
     return multiply_add(x, x, multiply_add(y, y, z * z));
 }
 
+PROXIMA_LANE_OP Eight square_root(const Eight& a)
+{
+    return make_eight([&](std::size_t i) { return hn::Sqrt(a.part[i]); });
+}
+PROXIMA_LANE_OP Eight3 choose(const EightMask& mask, const Eight3& yes, const Eight3& no)
+{
+    return {choose(mask, yes.x, no.x), choose(mask, yes.y, no.y), choose(mask, yes.z, no.z)};
+}
+
+PROXIMA_LANE_OP EightTriangles triangles_of(const TriangleLanes::Group& group)
+{
+    const auto corner = [&](std::size_t k) HWY_ATTR {
+        return Eight3{load_eight(group.corners[k][0].data()),
+                      load_eight(group.corners[k][1].data()),
+                      load_eight(group.corners[k][2].data())};
+    };
+    return {{corner(0), corner(1), corner(2)}};
+}
+
+/// From about the triangles' closest points towards p, no longer than 1.
+PROXIMA_STEP Eight3 directions_of(const EightTriangles& triangles, const Eight3& p)
+{
+    const Eight tiny = eight(1e-30F);
+    const Eight3 a[3] = {triangles.v[0] - p, triangles.v[1] - p, triangles.v[2] - p};
+    Eight least = eight(0.0F);
+    Eight3 towards{least, least, least};
+    for (std::size_t i = 0; i < 3; ++i) {
+        const Eight3 side = a[i == 2 ? 0 : i + 1] - a[i];
+        const Eight t = minimum(
+            maximum(quotient(-dot(a[i], side), maximum(dot(side, side), tiny)), eight(0.0F)),
+            eight(1.0F));
+        const Eight3 from{-multiply_add(t, side.x, a[i].x), -multiply_add(t, side.y, a[i].y),
+                          -multiply_add(t, side.z, a[i].z)};
+        const Eight squared = dot(from, from);
+        const EightMask nearer = i == 0 ? squared <= squared : squared < least;
+        towards = choose(nearer, from, towards);
+        least = choose(nearer, squared, least);
+    }
+    // Inside, seen from the corners: where p is on the inner side of all sides.
+    const Eight3 normal = cross(a[1] - a[0], a[2] - a[0]);
+    const Eight within =
+        minimum(minimum(dot(normal, cross(a[0], a[1])), dot(normal, cross(a[1], a[2]))),
+                dot(normal, cross(a[2], a[0])));
+    const EightMask behind = eight(0.0F) < dot(normal, a[0]);
+    const Eight3 upright = choose(behind, Eight3{-normal.x, -normal.y, -normal.z}, normal);
+    towards = choose(eight(0.0F) < within, upright, towards);
+    const Eight factor =
+        quotient(eight(1 - 0x1p-20F), square_root(maximum(dot(towards, towards), tiny)));
+    return {towards.x * factor, towards.y * factor, towards.z * factor};
+}
+
+// Which triangles can be the closest of no point of a box: with n of length 1 at most, no point x is
+// nearer to triangle f than the least of n (x - v) over its corners v. Where that is more than the
+// distance of x to one triangle g at all eight corners of the box, it is in all of the box, for that
+// distance is convex. n is the direction to the box's middle from the closest point of f: wherever it
+// points, what it says is true.
+
+/// A box of points in the frame, and how far each of its corners is from the triangle closest to its
+/// middle, rounded up.
+struct CoveredBox {
+    Eight3 middle;
+    float half[3];
+    float reach[8];
+    float rounding; ///< of differences of coordinates and their products
+};
+
+/// The lanes in which something may be the closest of a point in the box: `least` are the least of
+/// n (middle - v).
+PROXIMA_STEP std::uint32_t may_be_closest(const Eight3& n, const Eight& least,
+                                          const CoveredBox& box)
+{
+    const Eight3 half{n.x * eight(box.half[0]), n.y * eight(box.half[1]), n.z * eight(box.half[2])};
+    const Eight sure = least - eight(box.rounding);
+    std::uint32_t some = 0;
+    for (std::size_t corner = 0; corner < 8; ++corner) {
+        Eight at = (corner & 1U) != 0 ? sure + half.x : sure - half.x;
+        at = (corner & 2U) != 0 ? at + half.y : at - half.y;
+        at = (corner & 4U) != 0 ? at + half.z : at - half.z;
+        some |= (at <= eight(box.reach[corner])).bits();
+    }
+    return some;
+}
+
+/// The triangles of eight that may be the closest of a point in the box.
+PROXIMA_STEP std::uint32_t may_be_closest(const EightTriangles& triangles, const CoveredBox& box)
+{
+    const Eight3 n = directions_of(triangles, box.middle);
+    Eight least = dot(n, box.middle - triangles.v[0]);
+    for (std::size_t k = 1; k < 3; ++k) least = minimum(least, dot(n, box.middle - triangles.v[k]));
+    return may_be_closest(n, least, box);
+}
+
+/// The leaves of a group of which a triangle may be, by their boxes: n from these boxes' middles.
+PROXIMA_STEP std::uint32_t may_be_closest(const LeafBoxes::Group& group, const CoveredBox& box)
+{
+    const auto lower = [&](std::size_t axis)
+                           HWY_ATTR { return load_eight(group.lower[axis].data()); };
+    const auto upper = [&](std::size_t axis)
+                           HWY_ATTR { return load_eight(group.upper[axis].data()); };
+    const auto middle = [&](std::size_t axis)
+                            HWY_ATTR { return (lower(axis) + upper(axis)) * eight(0.5F); };
+    const Eight3 away = box.middle - Eight3{middle(0), middle(1), middle(2)};
+    const Eight factor =
+        quotient(eight(1 - 0x1p-20F), square_root(maximum(dot(away, away), eight(1e-30F))));
+    const Eight3 n{away.x * factor, away.y * factor, away.z * factor};
+    const auto along = [&](std::size_t axis, const Eight& part, const Eight& to) HWY_ATTR {
+        return minimum(part * (to - lower(axis)), part * (to - upper(axis)));
+    };
+    return may_be_closest(
+        n, along(0, n.x, box.middle.x) + along(1, n.y, box.middle.y) + along(2, n.z, box.middle.z),
+        box);
+}
+
 template <class Scalar>
 class GridWalk {
 public:
@@ -159,7 +321,8 @@ public:
         const Box box = points_box(search_.grid, block);
         const GridBall ball(box);
         if (!is_near(ball)) return search_one_by_one(block);
-        const double distance = to_mesh_unit(search_index(index_, rows_, ball.middle, infinite));
+        const RowDistance middle = search_index(index_, rows_, ball.middle, infinite);
+        const double distance = to_mesh_unit(middle);
         if (is_beyond(ball, distance)) return search_.take({block, {}, true});
         LeafBoxes& leaves = search_.leaves[0];
         leaves.clear();
@@ -167,40 +330,145 @@ public:
         NearWalk walk(index_, box, reach * reach);
         while (const IndexLeaf* const leaf = walk.next_leaf())
             leaves.add(*leaf, position_of(*leaf));
-        descend(block, 0, ball, distance);
+        descend(block, 0, box, ball, middle);
     }
 
 private:
     static constexpr double infinite = std::numeric_limits<double>::infinity();
     static constexpr std::uint32_t no_leaf = ~std::uint32_t{0};
-    /// Blocks of 4 points a side are searched as they are where there are no more leaves.
-    static constexpr std::size_t few_leaves = 96;
-
-    /// \pre the level has the leaves that may be closest to points of the block, `distance` is that
-    /// of its middle
-    void descend(const GridBlock& block, std::size_t level, const GridBall& ball, double distance)
+    /// The pieces of a block, cut in two along each axis that is longer than half of the longest.
+    template <class Visit>
+    static void for_each_piece(const GridBlock& block, const Visit& visit)
     {
-        const std::uint32_t longest = *std::ranges::max_element(block.size);
-        const std::size_t leaves = search_.leaves[level].size();
-        if (longest <= 2 || (longest <= 4 && leaves <= few_leaves))
-            return search_points(block, search_.leaves[level], ball, distance);
-        std::array<std::array<std::uint32_t, 2>, 3> first{}; // of the halves along each axis
-        std::array<std::array<std::uint32_t, 2>, 3> size{};
-        const std::uint32_t half = std::bit_ceil(longest) / 2;
-        for (std::size_t axis = 0; axis < 3; ++axis) {
-            const std::uint32_t lower = std::min(half, block.size[axis]);
-            first[axis] = {block.first[axis], block.first[axis] + lower};
-            size[axis] = {lower, block.size[axis] - lower};
-        }
+        const std::uint32_t half = std::bit_ceil(*std::ranges::max_element(block.size)) / 2;
         for (std::size_t part = 0; part < 8; ++part) {
             GridBlock piece;
             for (std::size_t axis = 0; axis < 3; ++axis) {
-                piece.first[axis] = first[axis][part >> axis & 1U];
-                piece.size[axis] = size[axis][part >> axis & 1U];
+                const std::uint32_t lower = std::min(half, block.size[axis]);
+                const bool is_upper = (part >> axis & 1U) != 0;
+                piece.first[axis] = block.first[axis] + (is_upper ? lower : 0);
+                piece.size[axis] = is_upper ? block.size[axis] - lower : lower;
             }
-            if (std::ranges::find(piece.size, 0U) == piece.size.end())
-                enter(piece, level, ball, distance);
+            if (std::ranges::find(piece.size, 0U) == piece.size.end()) visit(piece);
         }
+    }
+
+    /// \pre the level has the leaves that may be closest to points of the block, `distance` is that
+    /// of its middle
+    void descend(const GridBlock& block, std::size_t level, const Box& box, const GridBall& ball,
+                 const RowDistance& middle)
+    {
+        const LeafBoxes& leaves = search_.leaves[level];
+        const std::size_t points = std::size_t{block.size[0]} * block.size[1] * block.size[2];
+        if (leaves.size() > 2 * points) return search_as_neighbours(block, ball, middle);
+        if (*std::ranges::max_element(block.size) > 8) {
+            return for_each_piece(block, [&](const GridBlock& piece) {
+                enter(piece, level, ball, to_mesh_unit(middle));
+            });
+        }
+        TriangleLanes& near = search_.triangles[0];
+        near.clear();
+        const CoveredBox covered = cover(box, middle);
+        for (const LeafBoxes::Group& group : leaves.groups()) {
+            std::uint32_t near_leaves = may_be_closest(group, covered) & ((1U << group.count) - 1);
+            for (; near_leaves != 0; near_leaves &= near_leaves - 1) {
+                const auto place = static_cast<std::size_t>(std::countr_zero(near_leaves));
+                const IndexLeaf& leaf = blocks_[group.leaves[place]].leaf;
+                const EightTriangles triangles = triangles_of(leaf);
+                const std::uint32_t lanes =
+                    may_be_closest(triangles, covered) & ((1U << leaf.count) - 1);
+                keep(
+                    triangles, lanes, extent_of(leaf),
+                    [&](std::uint32_t lane) { return leaf.first_row + lane; }, near);
+            }
+        }
+        descend_triangles(block, 0, ball, middle);
+    }
+
+    /// \pre the level has the triangles that may be closest to points of the block
+    void descend_triangles(const GridBlock& block, std::size_t level, const GridBall& ball,
+                           const RowDistance& middle)
+    {
+        constexpr std::size_t few = 2;
+        const std::size_t groups = search_.triangles[level].groups().size();
+        if (groups <= few || *std::ranges::max_element(block.size) <= 2)
+            return search_points(block, search_.triangles[level], ball, middle);
+        for_each_piece(block, [&](const GridBlock& piece) {
+            enter_triangles(piece, level, ball, to_mesh_unit(middle));
+        });
+    }
+
+    void enter_triangles(const GridBlock& block, std::size_t level, const GridBall& from,
+                         double from_distance)
+    {
+        const TriangleLanes& all = search_.triangles[level];
+        const Box box = points_box(search_.grid, block);
+        const GridBall ball(box);
+        const double known = from_distance + (ball.middle - from.middle).norm();
+        const RowDistance middle = search_triangles(all, ball.middle, known);
+        if (is_beyond(ball, to_mesh_unit(middle))) return search_.take({block, {}, true});
+        TriangleLanes& near = search_.triangles[level + 1];
+        near.clear();
+        const CoveredBox covered = cover(box, middle);
+        for (const TriangleLanes::Group& group : all.groups()) {
+            const EightTriangles triangles = triangles_of(group);
+            const std::uint32_t lanes =
+                may_be_closest(triangles, covered) & ((1U << group.count) - 1);
+            keep(
+                triangles, lanes, group.extent,
+                [&](std::uint32_t lane) { return group.rows[lane]; }, near);
+        }
+        descend_triangles(block, level + 1, ball, middle);
+    }
+
+    template <class RowOf>
+    static void keep(const EightTriangles& triangles, std::uint32_t lanes, float extent,
+                     const RowOf& row_of, TriangleLanes& to)
+    {
+        if (lanes == 0) return;
+        HWY_ALIGN float corners[3][3][8];
+        for (std::size_t k = 0; k < 3; ++k) {
+            store_eight(triangles.v[k].x, corners[k][0]);
+            store_eight(triangles.v[k].y, corners[k][1]);
+            store_eight(triangles.v[k].z, corners[k][2]);
+        }
+        to.add(corners, lanes, extent, row_of);
+    }
+
+    /// By the triangle that is closest to the middle.
+    [[nodiscard]] CoveredBox cover(const Box& box, const RowDistance& closest) const
+    {
+        const Vec3 middle = (box.center() - index_.center()) * index_.scale();
+        const Vec3 half = 0.5 * box.extent() * index_.scale();
+        CoveredBox covered;
+        float at[3];
+        float signs[3][8];
+        for (std::size_t axis = 0; axis < 3; ++axis) {
+            const auto k = static_cast<Eigen::Index>(axis);
+            at[axis] = static_cast<float>(middle[k]);
+            covered.half[axis] = static_cast<float>(half[k] * (1 + 0x1p-20));
+            for (std::size_t corner = 0; corner < 8; ++corner) {
+                signs[axis][corner] = at[axis] + ((corner >> axis & 1U) != 0 ? covered.half[axis]
+                                                                             : -covered.half[axis]);
+            }
+        }
+        covered.middle = {eight(at[0]), eight(at[1]), eight(at[2])};
+        // As a query from the farthest corner rounds.
+        IndexQuery query;
+        query.error = IndexQuery::rounding_from((middle.cwiseAbs() + half).maxCoeff());
+        covered.rounding = 16 * query.error;
+        const Triangle triangle = rows_[closest.rank].corners();
+        EightTriangles lanes;
+        for (int k = 0; k < 3; ++k) lanes.v[k] = frame_lanes(triangle[k]);
+        const TriangleDistances distances =
+            distances_of(lanes, {load_eight(signs[0]), load_eight(signs[1]), load_eight(signs[2])});
+        HWY_ALIGN float squared[8];
+        store_eight(distances.squared, squared);
+        const auto extent = static_cast<float>(
+            (bounding_box(triangle).extent().maxCoeff() + rounding_) * index_.scale());
+        for (std::size_t corner = 0; corner < 8; ++corner)
+            covered.reach[corner] = query.most_distance(squared[corner], extent) * (1 + 0x1p-20F);
+        return covered;
     }
 
     void enter(const GridBlock& block, std::size_t level, const GridBall& from,
@@ -210,7 +478,8 @@ private:
         const Box box = points_box(search_.grid, block);
         const GridBall ball(box);
         const double known = from_distance + (ball.middle - from.middle).norm();
-        const double distance = to_mesh_unit(search_leaves(all, ball.middle, known));
+        const RowDistance middle = search_leaves(all, ball.middle, known);
+        const double distance = to_mesh_unit(middle);
         if (is_beyond(ball, distance)) return search_.take({block, {}, true});
         LeafBoxes& near = search_.leaves[level + 1];
         near.clear();
@@ -223,7 +492,7 @@ private:
             for (; bits != 0; bits &= bits - 1)
                 near.add(group, static_cast<std::size_t>(std::countr_zero(bits)));
         }
-        descend(block, level + 1, ball, distance);
+        descend(block, level + 1, box, ball, middle);
     }
 
     /// The closest feature of p, in these leaves.
@@ -254,22 +523,56 @@ private:
         return query.best;
     }
 
-    /// Each point after a neighbour.
-    void search_points(const GridBlock& block, const LeafBoxes& leaves, const GridBall& ball,
-                       double distance)
+    /// The same, in these triangles.
+    RowDistance search_triangles(const TriangleLanes& triangles, const Vec3& p, double known)
+    {
+        IndexQuery query;
+        if (query.begin(index_, p, known) != QueryStart::near) return {};
+        const Eight3 lanes = lanes_of(query);
+        for (const TriangleLanes::Group& group : triangles.groups()) {
+            take_triangles(
+                index_, rows_, distances_of(triangles_of(group), lanes), group.count, group.extent,
+                [&](std::uint32_t lane) { return group.rows[lane]; }, p, query);
+        }
+        settle(index_, rows_, p, query);
+        return query.best;
+    }
+
+    /// Each point after a neighbour, by search(point, known).
+    template <class Search>
+    void search_each(const GridBlock& block, const GridBall& ball, const RowDistance& middle,
+                     const Search& search)
     {
         begin_answers(block);
         Vec3 last = ball.middle;
+        const double distance = to_mesh_unit(middle);
         double last_distance = distance;
         for_each_point(block, [&](std::size_t at, const Vec3& p) {
             const double known = last_distance + (p - last).norm();
             RowDistance& found = search_.found[at];
-            found = search_leaves(leaves, p, std::min(known, search_.band));
+            found = search(p, std::min(known, search_.band));
             if (!found.found()) return;
             last = p;
             last_distance = to_mesh_unit(found);
         });
         search_.take({block, search_.found, distance > ball.radius + rounding_});
+    }
+
+    void search_points(const GridBlock& block, const TriangleLanes& triangles, const GridBall& ball,
+                       const RowDistance& middle)
+    {
+        search_each(block, ball, middle, [&](const Vec3& p, double known) {
+            return search_triangles(triangles, p, known);
+        });
+    }
+
+    /// Where a block has so many leaves that to look at all of them takes longer than the tree.
+    void search_as_neighbours(const GridBlock& block, const GridBall& ball,
+                              const RowDistance& middle)
+    {
+        search_each(block, ball, middle, [&](const Vec3& p, double known) {
+            return search_index(index_, rows_, p, known);
+        });
     }
 
     /// As any other points, where floats tell nothing.
@@ -365,7 +668,7 @@ HWY_EXPORT(search_grid_block);
 void search_grid(const IndexParts& index, const PointGrid& grid, const GridBlock& block,
                  double band, FunctionRef<void(const GridAnswers&)> take)
 {
-    GridSearch search{index, grid, band, take, {}, {}};
+    GridSearch search{index, grid, band, take, {}, {}, {}};
     HWY_DYNAMIC_DISPATCH(search_grid_block)(search, block);
 }
 

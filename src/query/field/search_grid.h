@@ -1,11 +1,12 @@
 // The closest features of all points of a regular grid, block by block.
 //
-//     block   up to 32^3 points: the leaves of the index that may be closest to one of them, by the
-//             distance of its middle and its size
-//     half    of each of its eight blocks those of these leaves that may be, and so on, down to
-//             blocks of 64 points or 8
-//     point   the leaves of its block, the one of the last answer first; triangles as every search
-//             of the index looks at them (closest/search_index-inl.h)
+//     32 points a side   the leaves of the index that may be closest to one of them, by the distance
+//                        of their middle and their reach
+//     16, 8              of these leaves those that may be closest to a part
+//     8, 4, 2            of the leaves' triangles those that may be: the least of n (x - v) over the
+//                        corners v bounds the distance of f from below, at x in the part
+//     a point            these triangles, as every search of the index looks at them
+//                        (closest/search_index-inl.h)
 #pragma once
 
 #include "index/index_parts.h"
