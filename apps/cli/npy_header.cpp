@@ -2,6 +2,7 @@
 
 #include "base/text.h"
 
+#include <array>
 #include <bit>
 #include <charconv>
 #include <cmath>
@@ -217,9 +218,18 @@ Result<NpyHeader> parse_npy_header(std::string_view bytes)
 
 std::string npy_header(std::uint64_t rows, std::uint64_t columns)
 {
+    return npy_header(std::array{rows, columns}, NpyOrder::rows_first);
+}
+
+std::string npy_header(std::span<const std::uint64_t> shape, NpyOrder order)
+{
     constexpr std::size_t start = 10;
-    std::string dictionary =
-        concat("{'descr': '<f8', 'fortran_order': False, 'shape': (", rows, ", ", columns, "), }");
+    std::string dictionary = concat(
+        "{'descr': '<f8', 'fortran_order': ", order == NpyOrder::rows_first ? "False" : "True",
+        ", 'shape': (");
+    for (std::size_t i = 0; i < shape.size(); ++i)
+        dictionary += concat(i == 0 ? "" : ", ", shape[i]);
+    dictionary += "), }";
     while ((start + dictionary.size() + 1) % 64 != 0) dictionary += ' ';
     dictionary += '\n';
     std::string header(magic);

@@ -7,6 +7,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -40,7 +41,10 @@ inline constexpr std::size_t max_npy_header = 4096;
 /// The number that begins at `bytes`.
 [[nodiscard]] double npy_number(const NpyHeader& header, const char* bytes) noexcept;
 
-/// The header of a table of float64, rows first; its length is a multiple of 64.
+/// The header of an array of float64; its length is a multiple of 64.
+[[nodiscard]] std::string npy_header(std::span<const std::uint64_t> shape, NpyOrder order);
+
+/// That of a table, rows first.
 [[nodiscard]] std::string npy_header(std::uint64_t rows, std::uint64_t columns);
 
 } // namespace proxima

@@ -13,7 +13,7 @@ namespace proxima {
 namespace {
 
 constexpr unsigned ink = 0x222222;
-constexpr unsigned grid = 0xE4E4E4;
+constexpr unsigned gridline = 0xE4E4E4;
 
 // Pixels.
 constexpr double left_space = 120;
@@ -124,13 +124,13 @@ void Plot::draw_grid(const PlotWords& words)
     const Vec2 corner = lower_left_;
     for (const double value : x_.ticks) {
         const double x = at(value, y_.ticks.front()).x();
-        figure.lines.push_back({{x, upper_right_.y()}, {x, corner.y()}, grid, 1});
+        figure.lines.push_back({{x, upper_right_.y()}, {x, corner.y()}, gridline, 1});
         figure.lines.push_back({{x, corner.y()}, {x, corner.y() + tick_length}, ink, 2});
         add_text({x, corner.y() + 28}, fmt::format("{:g}", value), tick_text, TextAnchor::middle);
     }
     for (const double value : y_.ticks) {
         const double y = at(x_.ticks.front(), value).y();
-        figure.lines.push_back({{corner.x(), y}, {upper_right_.x(), y}, grid, 1});
+        figure.lines.push_back({{corner.x(), y}, {upper_right_.x(), y}, gridline, 1});
         figure.lines.push_back({{corner.x() - tick_length, y}, {corner.x(), y}, ink, 2});
         add_text({corner.x() - 2 * tick_length, y + 0.5 * tick_text}, fmt::format("{:g}", value),
                  tick_text, TextAnchor::end);
