@@ -1,0 +1,108 @@
+#include "base/input_file.h"
+
+#include "folder_test.h"
+
+#include <cerrno>
+#include <cstdint>
+#include <fcntl.h>
+#include <fstream>
+#include <gtest/gtest.h>
+#include <string>
+#include <sys/stat.h>
+#include <unistd.h>
+
+namespace proxima {
+namespace {
+
+class InputFile : public FolderTest {
+protected:
+    std::string file_of(const std::string& content)
+    {
+        std::ofstream(path("file"), std::ios::binary) << content;
+        return path("file").string();
+    }
+
+    static std::string long_content()
+    {
+        std::string content((std::size_t{5} << 23U) + 12345, ' '); // 40 MB: three blocks
+        std::uint32_t state = 1;
+        for (char& byte : content)
+            byte = static_cast<char>((state = state * 1664525 + 1013904223) >> 24U);
+        return content;
+    }
+};
+
+TEST_F(InputFile, HasTheBytesOfFilesOfOneBlockAndMore)
+{
+    for (const std::string& content : {std::string("a"), std::string(1000, 'b'), long_content()}) {
+        const std::string name = file_of(content);
+        for (const FileAccess access : {FileAccess::read, FileAccess::map}) {
+            errno = EINTR; // of an earlier call: nothing to repeat here
+            const auto file = read_file(name, {.access = access});
+            ASSERT_TRUE(file) << file.error().message;
+            EXPECT_TRUE(file->text() == content) << content.size();
+            EXPECT_EQ(reinterpret_cast<std::uintptr_t>(file->bytes.data()) % 128, 0U);
+        }
+    }
+}
+
+TEST_F(InputFile, ReportsProgressAndStopsOnRequest)
+{
+    const std::string content = long_content();
+    const std::string name = file_of(content);
+    Progress progress;
+    ASSERT_TRUE(read_file(name, {.progress = &progress}));
+    EXPECT_STREQ(progress.stage(), "loading file");
+    EXPECT_GT(progress.fraction(), 0.7);
+    progress.cancel();
+    EXPECT_EQ(read_file(name, {.progress = &progress}).error().code, ErrorCode::cancelled);
+}
+
+TEST_F(InputFile, IsWithinTheBudgetToTheByte)
+{
+    const std::string name = file_of(std::string(5000, 'x'));
+    EXPECT_TRUE(read_file(name, {.budget = {5000}}));
+    const auto refused = read_file(name, {.budget = {4999}, .advice = "take a smaller one"});
+    ASSERT_FALSE(refused);
+    EXPECT_EQ(refused.error().code, ErrorCode::budget_exceeded);
+    EXPECT_NE(refused.error().message.find("take a smaller one"), std::string::npos);
+    EXPECT_TRUE(read_file(name, {.access = FileAccess::map, .budget = {1}}));
+}
+
+TEST_F(InputFile, ClosesWhatItOpens)
+{
+    const std::string name = file_of("content");
+    const int next = ::open("/dev/null", O_RDONLY);
+    ASSERT_GE(next, 0);
+    ::close(next);
+    for (const FileAccess access : {FileAccess::read, FileAccess::map})
+        ASSERT_TRUE(read_file(name, {.access = access}));
+    ASSERT_FALSE(read_file(path("").string(), {}));
+    const int now = ::open("/dev/null", O_RDONLY);
+    EXPECT_EQ(now, next);
+    ::close(now);
+}
+
+TEST_F(InputFile, SaysWhyItCannotBeRead)
+{
+    const auto refused = [](const std::filesystem::path& name, ErrorCode code, const char* words) {
+        for (const FileAccess access : {FileAccess::read, FileAccess::map}) {
+            const auto file = read_file(name, {.access = access});
+            ASSERT_FALSE(file);
+            EXPECT_EQ(file.error().code, code);
+            EXPECT_EQ(file.error().where, name.string());
+            EXPECT_NE(file.error().message.find(words), std::string::npos) << file.error().message;
+        }
+    };
+    refused(path("none"), ErrorCode::file_not_found, "No such file");
+    refused(path(""), ErrorCode::file_not_found, "folder");
+    refused(file_of(""), ErrorCode::malformed_file, "empty");
+    ASSERT_EQ(::mkfifo(path("pipe").c_str(), 0600), 0);
+    refused(path("pipe"), ErrorCode::file_not_found, "not a regular file");
+    refused("/dev/null", ErrorCode::file_not_found, "not a regular file");
+    if (::access("/proc/self/mem", R_OK) == 0) // a regular file of no size
+        refused("/proc/self/mem", ErrorCode::malformed_file, "empty");
+}
+
+} // namespace
+} // namespace proxima
