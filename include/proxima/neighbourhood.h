@@ -1,5 +1,5 @@
-// What lies round a point of the surface: by adjacency, rings of triangles (thesis 5.1.1), or by
-// distance, a metric patch.
+// What lies round a point: by adjacency, rings of triangles (thesis 5.1.1), by distance, a metric
+// patch or the nearest so many, or within a box.
 //
 //     NeighbourhoodScratch scratch(mesh);                   // once per mesh and thread
 //     std::array<TriangleId, 256> buffer;
@@ -9,11 +9,15 @@
 //     for (const TriangleId id : std::span(buffer).first(near.written)) ...
 //     const Neighbourhood within = collect_triangles(*index, point, 0.5, buffer);    // by distance
 //
+//     std::array<NearTriangle, 8> nearest;
+//     const Neighbourhood eight = collect_nearest(*index, point, nearest);
+//
 // Everything is written to the caller's buffer. Nothing allocates, locks or throws. A buffer that
 // is too small is never a silent cut: `complete` is false.
 #pragma once
 
 #include "proxima/export.h"
+#include "proxima/function_ref.h"
 #include "proxima/geometry.h"
 #include "proxima/mesh_index.h"
 #include "proxima/topology.h"
@@ -100,6 +104,44 @@ struct NearestFeature {
 /// is not finite, or the radius NaN or below 0. Thread safe.
 [[nodiscard]] Neighbourhood collect_triangles(const MeshIndex& index, const Vec3& p, double radius,
                                               std::span<TriangleId> buffer) noexcept;
+
+/// Calls visitor(triangle, squared distance) for the same triangles, in no particular order, until it
+/// stops. noexcept, as the visitor must be. Thread safe.
+void visit_triangles(const MeshIndex& index, const Vec3& p, double radius,
+                     FunctionRef<Flow(TriangleId, double)> visitor) noexcept;
+
+/// All triangles that have a point in common with the box, both closed, ids ascending. Exact. Where
+/// they do not fit, some of them. None where the box is empty or has a NaN. About 1 us, and 0.1 us per
+/// triangle near. Thread safe.
+[[nodiscard]] Neighbourhood collect_triangles(const MeshIndex& index, const Box& box,
+                                              std::span<TriangleId> buffer) noexcept;
+
+/// Calls visitor(triangle) for the same triangles, in no particular order, until it stops. noexcept,
+/// as the visitor must be. Thread safe.
+void visit_triangles(const MeshIndex& index, const Box& box,
+                     FunctionRef<Flow(TriangleId)> visitor) noexcept;
+
+/// A triangle and its squared distance; none yet by default.
+struct NearTriangle {
+    double squared_distance = std::numeric_limits<double>::infinity();
+    TriangleId triangle = no_triangle;
+
+    /// The order of answers.
+    friend constexpr bool operator<(const NearTriangle& a, const NearTriangle& b) noexcept
+    {
+        return a.squared_distance != b.squared_distance ? a.squared_distance < b.squared_distance
+                                                        : a.triangle < b.triangle;
+    }
+    friend constexpr bool operator==(const NearTriangle&, const NearTriangle&) = default;
+};
+
+/// The triangles nearest to p, no farther than the radius, as many as the buffer holds: by squared
+/// distance, as closest_feature computes it, equal ones by id. `complete` where they are all within the
+/// radius: not where the buffer was filled and the mesh has more. None where p is not finite, or the radius NaN or below 0. Some 0.5 us more per
+/// triangle than closest_feature. Thread safe.
+[[nodiscard]] Neighbourhood
+collect_nearest(const MeshIndex& index, const Vec3& p, std::span<NearTriangle> buffer,
+                double radius = std::numeric_limits<double>::infinity()) noexcept;
 
 /// All vertices, edges and faces that are within the radius of p as closed sets: an edge whose end
 /// point is near counts, and so does a face whose side is. Each once, by kind and id, with its

@@ -1,11 +1,13 @@
 #include "proxima/neighbourhood.h"
 
 #include "base/check.h"
+#include "geometry/triangle_box.h"
 #include "index/index_parts.h"
 #include "index/triangle_lanes.h"
 #include "index/visit_near.h"
 #include "proxima/octree.h"
 #include "query/closest/feature_distance.h"
+#include "query/contact/triangles_in_box.h"
 #include "query/neighbourhood/incident_triangles.h"
 
 #include <algorithm>
@@ -65,40 +67,50 @@ double squared_distance_of(const TriangleRow<Scalar>& row, const Vec3& p, const 
     return nearest.squared;
 }
 
-/// Calls visit(row, squared) for the triangles within the radius; it returns Flow. Squared
-/// distances are scaled.
+/// Calls visit(row, squared) for the triangles within a limit; it returns the limit from then on,
+/// negative to end. Squared distances and limits are scaled.
 template <class Scalar, class Visit>
 void visit_rows(const IndexParts& index, std::span<const TriangleRow<Scalar>> rows, const Vec3& p,
-                double radius, const Visit& visit) noexcept
+                double limit, const Visit& visit) noexcept
 {
     const RowScale scale{index.scale(), index.unscale()};
-    const double limit = radius * scale.up * (radius * scale.up);
     constexpr double reach = 2; // of the mesh from the index's center, at least
-    const double lane_limit = triangle_distance_limit(limit, reach);
-    visit_near(index, {p, p}, radius * radius, [&](RowRange range) noexcept {
+    visit_near(index, {p, p}, scale.unscale_squared(limit), [&](RowRange range) noexcept {
         const auto group = rows.subspan(range.first, range.count);
         std::array<double, 8> squared;
         triangle_distances(group, p, scale.up, squared);
-        for (std::size_t i = 0; i < group.size(); ++i) {
-            if (squared[i] > lane_limit) continue;
+        for (std::size_t i = 0; i < group.size() && limit >= 0; ++i) {
+            if (squared[i] > triangle_distance_limit(limit, reach)) continue;
             const double found = squared_distance_of(group[i], p, scale);
-            if (!(found <= limit)) continue;
-            if (visit(group[i], found) == Flow::stop) return -1.0;
+            if (found <= limit) limit = visit(group[i], found);
         }
-        return radius * radius;
+        return scale.unscale_squared(limit);
     });
 }
 
+/// The same for whatever rows there are. The radius is in the mesh's unit.
 template <class Visit>
-void visit_triangles(const IndexParts& index, const Vec3& p, double radius,
-                     const Visit& visit) noexcept
+void visit_within(const IndexParts& index, const Vec3& p, double radius,
+                  const Visit& visit) noexcept
 {
     if (!p.allFinite() || !(radius >= 0)) return;
+    const double limit = radius * index.scale() * (radius * index.scale());
     if (index.double_rows().empty()) {
-        visit_rows(index, index.float_rows(), p, radius, visit);
+        visit_rows(index, index.float_rows(), p, limit, visit);
     } else {
-        visit_rows(index, index.double_rows(), p, radius, visit);
+        visit_rows(index, index.double_rows(), p, limit, visit);
     }
+}
+
+/// Calls visit(row, squared) for the triangles within the radius; it returns Flow.
+template <class Visit>
+void visit_all_within(const IndexParts& index, const Vec3& p, double radius,
+                      const Visit& visit) noexcept
+{
+    const double limit = radius * index.scale() * (radius * index.scale());
+    visit_within(index, p, radius, [&](const auto& row, double squared) {
+        return visit(row, squared) == Flow::stop ? -1.0 : limit;
+    });
 }
 
 /// Squared distance of a side with its ends, scaled.
@@ -189,11 +201,68 @@ Neighbourhood collect_triangles(const MeshIndex& index, const Vec3& p, double ra
                                 std::span<TriangleId> buffer) noexcept
 {
     BufferWriter<TriangleId> found(buffer);
-    visit_triangles(index.parts(), p, radius, [&](const auto& row, double) {
+    visit_all_within(index.parts(), p, radius, [&](const auto& row, double) {
         return found.add(TriangleId{row.triangle_id()}) ? Flow::proceed : Flow::stop;
     });
     std::ranges::sort(found.written());
     return found.result();
+}
+
+void visit_triangles(const MeshIndex& index, const Vec3& p, double radius,
+                     FunctionRef<Flow(TriangleId, double)> visitor) noexcept
+{
+    const IndexParts& parts = index.parts();
+    const RowScale scale{parts.scale(), parts.unscale()};
+    visit_all_within(parts, p, radius, [&](const auto& row, double squared) {
+        return visitor(TriangleId{row.triangle_id()}, scale.unscale_squared(squared));
+    });
+}
+
+Neighbourhood collect_triangles(const MeshIndex& index, const Box& box,
+                                std::span<TriangleId> buffer) noexcept
+{
+    BufferWriter<TriangleId> found(buffer);
+    visit_triangles(index, box,
+                    [&](TriangleId id) { return found.add(id) ? Flow::proceed : Flow::stop; });
+    std::ranges::sort(found.written());
+    return found.result();
+}
+
+void visit_triangles(const MeshIndex& index, const Box& box,
+                     FunctionRef<Flow(TriangleId)> visitor) noexcept
+{
+    visit_triangles_in_box(index.parts(), box, [&](TriangleId id, const Triangle& triangle) {
+        return !triangle_overlaps_box(triangle, box) || visitor(id) == Flow::proceed;
+    });
+}
+
+Neighbourhood collect_nearest(const MeshIndex& index, const Vec3& p, std::span<NearTriangle> buffer,
+                              double radius) noexcept
+{
+    const IndexParts& parts = index.parts();
+    const RowScale scale{parts.scale(), parts.unscale()};
+    const double limit = radius * scale.up * (radius * scale.up);
+    Neighbourhood result;
+    if (buffer.empty()) return {.written = 0, .complete = parts.triangle_count() == 0};
+    // A heap with the farthest at its top; distances are scaled until the end.
+    visit_within(parts, p, radius, [&](const auto& row, double squared) {
+        const NearTriangle found{squared, TriangleId{row.triangle_id()}};
+        if (result.written == buffer.size()) {
+            if (!(found < buffer.front())) return buffer.front().squared_distance;
+            std::pop_heap(buffer.begin(), buffer.end());
+            --result.written;
+        }
+        buffer[result.written++] = found;
+        std::push_heap(buffer.begin(),
+                       buffer.begin() + static_cast<std::ptrdiff_t>(result.written));
+        return result.written == buffer.size() ? buffer.front().squared_distance : limit;
+    });
+    result.complete = result.written < buffer.size() || buffer.size() == parts.triangle_count();
+    const auto found = buffer.first(result.written);
+    std::sort_heap(found.begin(), found.end());
+    for (NearTriangle& one : found)
+        one.squared_distance = scale.unscale_squared(one.squared_distance);
+    return result;
 }
 
 Neighbourhood collect_features(const MeshIndex& index, const Vec3& p, double radius,
@@ -204,7 +273,7 @@ Neighbourhood collect_features(const MeshIndex& index, const Vec3& p, double rad
     const double limit = radius * scale.up * (radius * scale.up);
     BufferWriter<NearestFeature> found(buffer);
     // Each feature is offered by the lowest of its triangles alone: that one is as near.
-    visit_triangles(parts, p, radius, [&](const auto& row, double squared) {
+    visit_all_within(parts, p, radius, [&](const auto& row, double squared) {
         const std::uint32_t id = row.triangle_id();
         const auto offer = [&](double at, FeatureKind kind, std::uint32_t feature) {
             return !(at <= limit) || found.add({scale.unscale_squared(at), {kind, feature}});

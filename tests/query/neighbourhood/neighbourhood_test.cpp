@@ -2,11 +2,13 @@
 
 #include "counted_allocations.h"
 #include "geometry/closest_point.h"
+#include "geometry/triangle_box.h"
 #include "index/test_meshes.h"
 #include "proxima/mesh_index.h"
 #include "query/closest/brute_force.h"
 
 #include <gtest/gtest.h>
+#include <random>
 #include <set>
 
 namespace proxima {
@@ -241,6 +243,131 @@ TEST(MetricPatch, AcceptsZeroAndInfiniteRadii)
     EXPECT_EQ(count(Vec3(1e300, 0, 0), std::numeric_limits<double>::infinity()), 12U);
 }
 
+TEST(MetricPatch, IsVisitedWithDistancesUntilTheVisitorStops)
+{
+    std::vector<TriangleId> buffer;
+    for_balls(20, 6, [&](const auto& mesh, const auto&, const auto& index, const Ball& ball) {
+        buffer.resize(mesh.triangle_count());
+        const Neighbourhood all = collect_triangles(index, ball.p, ball.radius, buffer);
+        std::vector<TriangleId> visited;
+        visit_triangles(index, ball.p, ball.radius, [&](TriangleId id, double squared) {
+            const Vec3 closest = closest_point(mesh.triangle(id), ball.p).point;
+            EXPECT_NEAR(std::sqrt(squared), (closest - ball.p).norm(), ball.rounding);
+            visited.push_back(id);
+            return Flow::proceed;
+        });
+        std::ranges::sort(visited);
+        EXPECT_TRUE(std::ranges::equal(visited, std::span(buffer).first(all.written)));
+        std::size_t calls = 0;
+        visit_triangles(index, ball.p, ball.radius, [&](TriangleId, double) {
+            return ++calls == 2 ? Flow::stop : Flow::proceed;
+        });
+        EXPECT_EQ(calls, std::min<std::size_t>(2, all.written));
+    });
+}
+
+TEST(NearestTriangles, AreTheFirstOfAllByDistanceAndId)
+{
+    std::size_t ties = 0;
+    for_balls(25, 5, [&](const auto& mesh, const auto&, const auto& index, const Ball& ball) {
+        std::vector<NearTriangle> all(mesh.triangle_count());
+        const Neighbourhood every = collect_nearest(index, ball.p, all);
+        ASSERT_EQ(every.written, all.size());
+        EXPECT_TRUE(every.complete);
+        EXPECT_TRUE(std::is_sorted(all.begin(), all.end()));
+        std::set<TriangleId> ids;
+        for (const NearTriangle& one : all) {
+            ids.insert(one.triangle);
+            const Vec3 closest = closest_point(mesh.triangle(one.triangle), ball.p).point;
+            EXPECT_NEAR(std::sqrt(one.squared_distance), (closest - ball.p).norm(), ball.rounding);
+        }
+        EXPECT_EQ(ids.size(), all.size());
+        EXPECT_EQ(all[0].squared_distance, closest_feature(index, ball.p)->squared_distance);
+        for (const std::size_t count :
+             {std::size_t{1}, std::size_t{2}, std::size_t{7}, all.size() - 1, all.size() + 3}) {
+            std::vector<NearTriangle> some(count);
+            const Neighbourhood found = collect_nearest(index, ball.p, some);
+            ASSERT_EQ(found.written, std::min(count, all.size()));
+            EXPECT_EQ(found.complete, count >= all.size());
+            EXPECT_TRUE(std::equal(all.begin(), all.begin() + static_cast<long>(found.written),
+                                   some.begin()));
+            if (count < all.size())
+                ties += all[count - 1].squared_distance == all[count].squared_distance ? 1 : 0;
+            // With a radius.
+            const Neighbourhood within = collect_nearest(index, ball.p, some, ball.radius);
+            std::vector<TriangleId> patch(all.size());
+            patch.resize(collect_triangles(index, ball.p, ball.radius, patch).written);
+            ASSERT_EQ(within.written, std::min(count, patch.size()));
+            for (std::size_t i = 0; i < within.written; ++i) EXPECT_EQ(some[i], all[i]);
+        }
+    });
+    EXPECT_GT(ties, 20U) << "the id decides some";
+}
+
+TEST(NearestTriangles, AcceptOddQuestions)
+{
+    const MeshIndex index = build_mesh_index(cube_mesh(Vec3::Zero(), 1.0)).value();
+    std::array<NearTriangle, 3> three{};
+    const auto written = [&](const Vec3& p, double radius) {
+        return collect_nearest(index, p, three, radius).written;
+    };
+    constexpr double infinite = std::numeric_limits<double>::infinity();
+    EXPECT_EQ(written(Vec3::Zero(), 0.999), 0U);
+    EXPECT_EQ(written(Vec3::Zero(), 1), 3U);
+    EXPECT_EQ(written(Vec3::Zero(), NAN), 0U);
+    EXPECT_EQ(written(Vec3::Zero(), -1), 0U);
+    EXPECT_EQ(written(Vec3(NAN, 0, 0), infinite), 0U);
+    EXPECT_EQ(written(Vec3(1e300, 0, 0), infinite), 3U);
+    EXPECT_FALSE(collect_nearest(index, Vec3::Zero(), {}).complete);
+}
+
+TEST(TrianglesInABox, AreThoseOfTheExactTest)
+{
+    std::mt19937 random(7);
+    std::size_t some = 0;
+    for_balls(30, 7, [&](const auto& mesh, const auto&, const auto& index, const Ball& ball) {
+        const double half = ball.radius;
+        Box box{ball.p - Vec3::Constant(half), ball.p + Vec3::Constant(half)};
+        if (random() % 3 == 0) { // its planes through vertices
+            const auto vertex = [&] {
+                return mesh.positions()[random() % mesh.positions().size()];
+            };
+            const Vec3 a = vertex();
+            const Vec3 b = vertex();
+            box = {a.cwiseMin(b), a.cwiseMax(b)};
+        }
+        std::vector<TriangleId> buffer(mesh.triangle_count());
+        const Neighbourhood found = collect_triangles(index, box, buffer);
+        EXPECT_TRUE(found.complete);
+        std::vector<TriangleId> wanted;
+        for (std::uint32_t i = 0; i < mesh.triangle_count(); ++i) {
+            if (triangle_overlaps_box(mesh.triangle(TriangleId{i}), box))
+                wanted.push_back(TriangleId{i});
+        }
+        EXPECT_TRUE(std::ranges::equal(wanted, std::span(buffer).first(found.written)));
+        if (wanted.empty()) return;
+        some += wanted.size() < mesh.triangle_count() ? 1 : 0;
+        EXPECT_FALSE(
+            collect_triangles(index, box, std::span(buffer).first(wanted.size() - 1)).complete);
+        std::size_t calls = 0;
+        visit_triangles(index, box, [&](TriangleId) {
+            ++calls;
+            return Flow::stop;
+        });
+        EXPECT_EQ(calls, 1U);
+    });
+    EXPECT_GT(some, 100U);
+    const MeshIndex index = build_mesh_index(cube_mesh(Vec3::Zero(), 1.0)).value();
+    std::array<TriangleId, 12> buffer{};
+    EXPECT_EQ(collect_triangles(index, Box{}, buffer).written, 0U);
+    EXPECT_EQ(collect_triangles(index, Box{Vec3::Constant(NAN), Vec3::Ones()}, buffer).written, 0U);
+    constexpr double infinite = std::numeric_limits<double>::infinity();
+    EXPECT_EQ(
+        collect_triangles(index, Box{Vec3::Constant(-infinite), Vec3::Constant(infinite)}, buffer)
+            .written,
+        12U);
+}
+
 TEST(FeaturesWithin, AgreeWithAllVerticesEdgesAndFaces)
 {
     std::vector<NearestFeature> buffer;
@@ -293,6 +420,10 @@ TEST(Neighbourhoods, ReportABufferThatIsTooSmallAndDoNotAllocate)
         collect_rings(mesh, topology, {FeatureKind::vertex, 0}, 5, scratch, all);
     const Neighbourhood triangles = collect_triangles(index, p, 0.3, all);
     const Neighbourhood features = collect_features(index, p, 0.3, all_features);
+    std::array<NearTriangle, 20> nearest{};
+    (void)collect_nearest(index, p, nearest);
+    std::array<TriangleId, 20> in_box{};
+    (void)collect_triangles(index, Box{p, p + Vec3::Ones()}, in_box);
     EXPECT_EQ(allocation_count(), before);
     EXPECT_TRUE(rings.complete && triangles.complete && features.complete);
     ASSERT_GT(triangles.written, 10U);
