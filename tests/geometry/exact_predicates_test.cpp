@@ -94,6 +94,96 @@ TEST(Orient3d, EqualsIntegersAtAnyExponents)
     for (const int count : seen) EXPECT_GT(count, 1'000);
 }
 
+TEST(DeterminantSign, OfASumEqualsIntegersAtAnyExponents)
+{
+    constexpr std::uint64_t seed = 82;
+    SCOPED_TRACE(testing::Message() << "seed " << seed);
+    PointGenerator generate(seed);
+    std::array<int, 3> seen = {};
+    std::array<int, 3> seen_across = {};
+    for (int i = 0; i < 60'000; ++i) {
+        const std::int64_t reach = i % 2 == 0 ? 4 : std::int64_t{1} << 34;
+        const Point u = generate(reach);
+        const Point v = generate(reach);
+        const Point from = generate(reach);
+        const std::int64_t scale = generate.below(9) - 4;
+        const Point a = generate(reach);
+        const Point b = generate(reach);
+        Point w = generate(reach);
+        if (i % 4 != 0) { // in the plane of u and v, along u, or one unit beside
+            const std::int64_t along_v = i % 4 == 2 ? 0 : generate.below(5) - 2;
+            const std::int64_t along_u = generate.below(5) - 2;
+            for (std::size_t k = 0; k < 3; ++k) w[k] = along_u * u[k] + along_v * v[k];
+            w[static_cast<std::size_t>(generate.below(3))] += generate.below(3) - 1;
+        }
+        std::array<int, 3> exponents = {0, 0, 0};
+        if (i % 8 >= 5) {
+            for (int& exponent : exponents)
+                exponent = static_cast<int>(generate.below(2040)) - 1074;
+        }
+        const auto point = [&](const Point& p) { return to_double(p, exponents); };
+        const auto displaced = [&](const Point& d) {
+            Point to = from;
+            for (std::size_t k = 0; k < 3; ++k) to[k] += d[k];
+            return Displacement{point(from), point(to)};
+        };
+        Point start = a;
+        for (std::size_t k = 0; k < 3; ++k) start[k] += scale * b[k] + w[k];
+        const SumDisplacement sum{point(start), point(a), point(b), static_cast<double>(scale)};
+        const auto minor = [](const Point& p, const Point& q, std::size_t k) {
+            const std::size_t x = (k + 1) % 3;
+            const std::size_t y = (k + 2) % 3;
+            return static_cast<Wide>(p[x]) * q[y] - static_cast<Wide>(p[y]) * q[x];
+        };
+        const int expected =
+            sign_of(minor(u, v, 0) * w[0] + minor(u, v, 1) * w[1] + minor(u, v, 2) * w[2]);
+        ++seen[expected < 0 ? 0U : expected == 0 ? 1U : 2U];
+        ASSERT_EQ(determinant_sign(displaced(u), displaced(v), sum), expected) << "case " << i;
+        ASSERT_EQ(determinant_sign(displaced(v), displaced(u), sum), -expected) << "case " << i;
+        for (int axis = 0; axis < 3; ++axis) {
+            const int across = sign_of(minor(u, w, static_cast<std::size_t>(axis)));
+            ++seen_across[across < 0 ? 0U : across == 0 ? 1U : 2U];
+            ASSERT_EQ(cross_component_sign(displaced(u), sum, axis), across) << "case " << i;
+            ASSERT_EQ(cross_component_sign(displaced(u), displaced(v), axis),
+                      sign_of(minor(u, v, static_cast<std::size_t>(axis))))
+                << "case " << i;
+        }
+    }
+    for (const int count : seen) EXPECT_GT(count, 1'000);
+    for (const int count : seen_across) EXPECT_GT(count, 1'000);
+}
+
+TEST(DeterminantSign, OfASumIsExactWhereOneTermIsTooSmallForTheFastArithmetic)
+{
+    // u fits it, the sum does not, and the other way round.
+    const Displacement u{Vec3::Zero(), Vec3(1, 0, 0)};
+    const Displacement v{Vec3::Zero(), Vec3(0, 1, 0)};
+    for (const double tiny : {0x1p-1074, 0x1p-900}) {
+        for (const double sign : {1.0, -1.0}) {
+            const SumDisplacement above{Vec3(1, 1, sign * tiny), Vec3::Zero(), Vec3(1, 1, 0), 1};
+            EXPECT_EQ(determinant_sign(u, v, above), static_cast<int>(sign));
+            const SumDisplacement across{Vec3(0, sign * tiny, 0), Vec3::Zero(), Vec3::Zero(), 1};
+            EXPECT_EQ(cross_component_sign(u, across, 2), static_cast<int>(sign));
+            const Displacement small{Vec3::Zero(), Vec3(tiny, 0, 0)};
+            const SumDisplacement large{Vec3(0, 1, 0), Vec3::Zero(), Vec3(0, sign > 0 ? 0 : 2, 0),
+                                        1};
+            EXPECT_EQ(cross_component_sign(small, large, 2), static_cast<int>(sign));
+        }
+    }
+    // (1 + e)^2 beside 1 + 2 e, times a number so small that doubles do not hold e^2 times it.
+    constexpr double e = 0x1p-52;
+    constexpr double small = 0x1p-1000;
+    const Displacement slope{Vec3::Zero(), Vec3(1 + e, 1, 0)};
+    for (const double sign : {1.0, -1.0}) {
+        const SumDisplacement other{sign * small * Vec3(1 + 2 * e, 1 + e, 0), Vec3::Zero(),
+                                    Vec3::Zero(), 1};
+        EXPECT_EQ(cross_component_sign(slope, other, 2), static_cast<int>(sign));
+        const Displacement low{Vec3::Zero(), small * Vec3(1 + e, 1, 0)};
+        const SumDisplacement high{sign * Vec3(1 + 2 * e, 1 + e, 0), Vec3::Zero(), Vec3::Zero(), 1};
+        EXPECT_EQ(cross_component_sign(low, high, 2), static_cast<int>(sign));
+    }
+}
+
 TEST(IsDegenerate, DistinguishesLinesAndPointsFromSlivers)
 {
     const Vec3 a(0.1, 0.2, 0.3);
