@@ -14,13 +14,13 @@ float64 in any memory order. Answers are the same for every number of threads an
 """
 from ._core import (Cancelled, ClosestOne, Error, FileMissing, FileNotWritable, Index, InvalidInput, LimitExceeded, Mesh,
                     MinkowskiSum, Octree, Polyhedron, Topology, __version__, minkowski_sum, orthographic, perspective, separation)
-from ._results import (CELL_KINDS, FEATURE_KINDS, SIGN_METHODS, Closest, Distances, Facets, HitLists, Hits, Leaves,
-                       Neighbours, PairLists, Pairs, Patches, SumDistances)
+from ._results import (CELL_KINDS, FEATURE_KINDS, SIGN_METHODS, Closest, Distances, Facets, Finding, HitLists, Hits, Leaves,
+                       Neighbours, PairLists, Pairs, Patches, Repair, Report, SumDistances)
 
 __all__ = [
     "Mesh", "Index", "Topology", "Octree", "Polyhedron", "MinkowskiSum", "minkowski_sum", "separation", "perspective", "orthographic",
     "Closest", "ClosestOne", "Hits", "HitLists", "Pairs", "PairLists", "Distances", "Neighbours", "Patches", "Leaves", "Facets",
-    "SumDistances", "FEATURE_KINDS", "SIGN_METHODS", "CELL_KINDS",
+    "SumDistances", "Report", "Finding", "Repair", "FEATURE_KINDS", "SIGN_METHODS", "CELL_KINDS",
     "Error", "InvalidInput", "FileMissing", "FileNotWritable", "LimitExceeded", "Cancelled", "__version__",
 ]
 for _name in __all__:

@@ -65,6 +65,59 @@ Distances = _result(
     triangle_a="(n,) int32, -1 where nothing was found",
     triangle_b="(n,) int32, -1 where nothing was found")
 
+Finding = _result(
+    "Finding", "One kind of flaw of a mesh.",
+    kind='str: "boundary_edges", "duplicate_vertices", ...',
+    severity='str: "note" no query is worse off, "warning" some answers need care, "error" builders refuse the mesh',
+    element='str: what is counted: "mesh", "vertex", "edge", "triangle", or "component", given by its lowest triangle',
+    number="int: how many were found",
+    ids="(k,) int32: the lowest ones, ascending, at most max_ids; edges by first appearance in the faces",
+    positions="(k, 3) float64: vertex, middle of the edge or centroid of each of these",
+    meaning="str: what it is, and what it means for the queries")
+
+Report = _result(
+    "Report", "What is wrong with a mesh, and what to expect of queries. Print it for the text.",
+    vertices="int", triangles="int",
+    edges="int: distinct pairs of vertices that a triangle joins",
+    components="int: sets of triangles connected across edges",
+    boundary_loops="int: sets of boundary edges connected by vertices",
+    bounds="(2, 3) float64: of the finite positions that triangles use",
+    area="float, in the mesh's unit squared",
+    min_edge_length="float, in the mesh's unit", max_edge_length="float, in the mesh's unit",
+    closed="bool: every edge has an even number of triangles, so that the surface encloses something",
+    consistently_oriented="bool: at every such edge half of the triangles run each way",
+    closed_if_welded="bool, of open meshes with duplicate vertices: whether welding closes them; None of others",
+    orientation='str: "outward", "inward", "mixed", or "undefined" where it is open or not consistent',
+    volume="float, negative where it faces inward; None of open, inconsistent or infinite meshes",
+    euler_characteristic="int",
+    genus="int: handles of all components; None where not closed, manifold and consistent",
+    findings="tuple of Finding: only what was found",
+    outlook='dict: query to ("works", "with_care" or "refused", reason)')
+
+
+def _describe(report):
+    lines = [f"{report.vertices} vertices, {report.triangles} triangles, {report.components} components: "
+             f"{'closed' if report.closed else 'open'}, orientation {report.orientation}"]
+    lines += [f"{finding.severity}: {finding.number} {finding.kind}: {finding.meaning}" for finding in report.findings]
+    lines += [f"{query} {outlook}: {reason}" for query, (outlook, reason) in report.outlook.items()]
+    return "\n".join(lines)
+
+
+Report.__str__ = _describe
+
+Repair = _result(
+    "Repair", "A repaired mesh, and where its parts come from. Triangles and vertices keep their order.",
+    mesh="Mesh",
+    triangle="(F,) int32: the id that each triangle had, ascending",
+    vertex="(V,) int32: the lowest id of those that became each vertex and have its position, ascending",
+    turned="(F,) bool: whether the triangle's last corners were swapped",
+    steps="dict: step to how many elements it changed, in the order in which they were done; without those switched off",
+    pieces="int: sets of triangles connected across edges of exactly two",
+    closed_pieces="int",
+    cavities="int: closed pieces inside others",
+    unorientable_pieces="int",
+    unorientable_edges="int: their edges whose triangles do not match")
+
 Neighbours = _result(
     "Neighbours", "The triangles near n points, those of each ascending.",
     first=_FIRST, triangle="(m,) int32")

@@ -1,7 +1,9 @@
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, Optional
 
 from numpy import bool_, float64, int32, int64, uint8, uint64
 from numpy.typing import NDArray
+
+from ._core import Mesh
 
 FEATURE_KINDS: tuple[str, str, str]
 SIGN_METHODS: tuple[str, str, str]
@@ -50,6 +52,47 @@ class Distances(NamedTuple):
     point_b: NDArray[float64]
     triangle_a: Any
     triangle_b: Any
+
+class Finding(NamedTuple):
+    kind: str
+    severity: str
+    element: str
+    number: int
+    ids: NDArray[int32]
+    positions: NDArray[float64]
+    meaning: str
+
+class Report(NamedTuple):
+    vertices: int
+    triangles: int
+    edges: int
+    components: int
+    boundary_loops: int
+    bounds: NDArray[float64]
+    area: float
+    min_edge_length: float
+    max_edge_length: float
+    closed: bool
+    consistently_oriented: bool
+    closed_if_welded: Optional[bool]
+    orientation: str
+    volume: Optional[float]
+    euler_characteristic: int
+    genus: Optional[int]
+    findings: tuple[Finding, ...]
+    outlook: dict[str, tuple[str, str]]
+
+class Repair(NamedTuple):
+    mesh: Mesh
+    triangle: NDArray[int32]
+    vertex: NDArray[int32]
+    turned: NDArray[bool_]
+    steps: dict[str, int]
+    pieces: int
+    closed_pieces: int
+    cavities: int
+    unorientable_pieces: int
+    unorientable_edges: int
 
 class Neighbours(NamedTuple):
     first: NDArray[int64]

@@ -97,6 +97,18 @@ std::vector<TriangleCorners> corners_of(const py::handle& object, const char* na
     return corners;
 }
 
+std::vector<std::int64_t> integers_of(const py::handle& object, const char* name,
+                                      const char* wanted)
+{
+    const auto given = py::array::ensure(object);
+    PyErr_Clear();
+    const bool whole = given && (given.dtype().kind() == 'i' || given.dtype().kind() == 'u' ||
+                                 given.size() == 0); // an empty list has dtype float64
+    if (!whole || given.ndim() > 1) refuse(name, std::string("must be ") + wanted);
+    const py::array_t<std::int64_t, py::array::c_style | py::array::forcecast> array(given);
+    return {array.data(), array.data() + array.size()};
+}
+
 Poses poses_of(const py::object& object)
 {
     if (object.is_none()) return {{RigidTransform{}}, true};

@@ -39,6 +39,10 @@ private:
 /// Corner indices of shape (n, 3), of any integers.
 [[nodiscard]] std::vector<TriangleCorners> corners_of(const py::handle& object, const char* name);
 
+/// Integers of shape (n,), or a number. `wanted` says in the message what they must be.
+[[nodiscard]] std::vector<std::int64_t> integers_of(const py::handle& object, const char* name,
+                                                    const char* wanted = "integers of shape (n,)");
+
 /// Rigid poses, row-major (R | t).
 struct Poses {
     std::vector<RigidTransform> poses;

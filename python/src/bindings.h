@@ -1,6 +1,8 @@
 // The parts of the module. Docstrings are what Python shows: shapes, units, errors, cost.
 #pragma once
 
+#include "proxima/triangle_mesh.h"
+
 #include <pybind11/pybind11.h>
 
 namespace proxima::python {
@@ -8,6 +10,7 @@ namespace proxima::python {
 namespace py = pybind11;
 
 void bind_mesh(py::module_& module);
+void bind_mesh_repair(py::class_<TriangleMesh>& mesh);
 void bind_index(py::module_& module);
 void bind_closest_one(py::module_& module);
 void bind_topology(py::module_& module);

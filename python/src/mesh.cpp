@@ -77,8 +77,8 @@ std::string represent(const TriangleMesh& mesh)
 
 void bind_mesh(py::module_& module)
 {
-    py::class_<TriangleMesh>(module, "Mesh",
-                             R"(A triangle mesh. Immutable; any number of threads may use it.
+    py::class_<TriangleMesh> mesh(module, "Mesh",
+                                  R"(A triangle mesh. Immutable; any number of threads may use it.
 
 Mesh(vertices, faces)
 
@@ -86,8 +86,8 @@ Mesh(vertices, faces)
     faces     (F, 3) integers, indices into vertices, counter-clockwise seen from outside
 
 float32 or float64, any memory order; both arrays are copied. Raises InvalidInput where an index is out of
-range. NaN and infinite coordinates are refused when an Index or an Octree is built.)")
-        .def(py::init(&make_mesh), py::arg("vertices"), py::arg("faces"))
+range. NaN and infinite coordinates are refused when an Index or an Octree is built.)");
+    mesh.def(py::init(&make_mesh), py::arg("vertices"), py::arg("faces"))
         .def_static("read", &read, py::arg("path"), py::kw_only(), py::arg("progress") = py::none(),
                     R"(Reads OBJ, PLY, STL or OFF in float64; 3DS, glTF and GLB by assimp.
 
@@ -113,6 +113,7 @@ and line.)")
             return py::make_tuple(self.attr("__class__"),
                                   py::make_tuple(vertices_of(self), faces_of(self)));
         });
+    bind_mesh_repair(mesh);
 }
 
 } // namespace proxima::python

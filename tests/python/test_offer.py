@@ -20,8 +20,6 @@ NO_PART_OF_IT = {
     "touch_scene.h": "touch; engine_client.py in examples moves the objects of a running scene",
     "thesis.h": "the thesis's own methods, to compare with: their answers are those of the index",
     "cells_along_ray.h": "not bound yet: `proxima raycast --cells` writes them",
-    "mesh_report.h": "not bound yet: `proxima check --json -` says it",
-    "mesh_repair.h": "not bound yet: `proxima repair` does it",
 }
 BATCHES = "the batch answers the same"
 STRUCTURE = "how it is made inside"
@@ -64,6 +62,30 @@ OFFERED = {
         "MeshIndex.has_signs": "Index.has_signs", "MeshIndex.has_slabs": "Index.has_distances",
         "MeshIndex.triangle_count": "Index.triangle_count", "MeshIndex.vertex_count": "Index.vertex_count"},
     "mesh_io.h": {"read_mesh": "Mesh.read", "write_mesh": "Mesh.write"},
+    "mesh_repair.h": {
+        "repair_mesh": "Mesh.repair", "weld_vertices": "Mesh.weld", "sub_mesh": "Mesh.part", "MeshRepair.mesh": "Repair.mesh",
+        "MeshRepair.original_triangles": "Repair.triangle", "MeshRepair.original_vertices": "Repair.vertex",
+        "MeshRepair.turned": "Repair.turned", "MeshRepair.pieces": "Repair.pieces",
+        "MeshRepair.closed_pieces": "Repair.closed_pieces", "MeshRepair.cavities": "Repair.cavities",
+        "MeshRepair.unorientable_pieces": "Repair.unorientable_pieces", "MeshRepair.unorientable_edges": "Repair.unorientable_edges",
+        "MeshRepair.step MeshRepair.steps RepairStep.kind RepairStep.enabled RepairStep.count name_of": "Repair.steps",
+        "MeshRepairOptions.weld MeshRepairOptions.weld_distance MeshRepairOptions.drop_non_finite "
+        "MeshRepairOptions.drop_degenerate MeshRepairOptions.drop_zero_area MeshRepairOptions.drop_duplicates "
+        "MeshRepairOptions.min_component_area MeshRepairOptions.min_component_triangles MeshRepairOptions.orient "
+        "MeshRepairOptions.turn_outward MeshRepairOptions.keep_cavities MeshRepairOptions.drop_unused_vertices": "Mesh.repair"},
+    "mesh_report.h": {
+        "report_mesh MeshReportOptions.max_ids": "Mesh.report", "MeshReport.vertices": "Report.vertices",
+        "MeshReport.triangles": "Report.triangles", "MeshReport.edges": "Report.edges", "MeshReport.components": "Report.components",
+        "MeshReport.boundary_loops": "Report.boundary_loops", "MeshReport.bounds": "Report.bounds", "MeshReport.area": "Report.area",
+        "MeshReport.min_edge_length": "Report.min_edge_length", "MeshReport.max_edge_length": "Report.max_edge_length",
+        "MeshReport.closed": "Report.closed", "MeshReport.consistently_oriented": "Report.consistently_oriented",
+        "MeshReport.closed_if_welded": "Report.closed_if_welded", "MeshReport.orientation": "Report.orientation",
+        "MeshReport.signed_volume": "Report.volume", "MeshReport.euler_characteristic": "Report.euler_characteristic",
+        "MeshReport.genus": "Report.genus", "MeshReport.findings": "Report.findings",
+        "MeshReport.outlook QueryOutlook.query QueryOutlook.outlook QueryOutlook.reason": "Report.outlook",
+        "MeshFinding.kind": "Finding.kind", "MeshFinding.severity": "Finding.severity", "MeshFinding.element": "Finding.element",
+        "MeshFinding.count": "Finding.number", "MeshFinding.first_ids": "Finding.ids",
+        "MeshFinding.first_positions": "Finding.positions", "MeshFinding.meaning": "Finding.meaning"},
     "minkowski_sum.h": {
         "minkowski_sum": "minkowski_sum", "contains": "MinkowskiSum.contains", "signed_distance": "MinkowskiSum.signed_distance",
         "separation Separation.distance Separation.direction": "separation", "MinkowskiSum.dimension": "MinkowskiSum.dimension",
@@ -145,6 +167,7 @@ LEFT_OUT = {
         "MeshIndexBytes.signs MeshIndexBytes.slabs": STRUCTURE, "refit_index": "moved vertices: " + NOT_YET,
         "check_same_mesh MeshIndex.mesh_fingerprint": NOT_YET, "default_list_bytes ListOptions.margin ListOptions.max_depth":
         "for tuning: answers are the same", "MeshIndex.ids MeshIndex.parts": STRUCTURE},
+    "mesh_report.h": {"MeshReport.find name_of": NAMES},
     "mesh_io.h": {"format_name format_of_path known_mesh_extensions": "the message of an unknown extension lists them",
                   "read_mesh_from_memory": NOT_YET, "ReadOptions.weld WriteOptions.ply WriteOptions.stl": NOT_YET},
     "minkowski_sum.h": {
@@ -183,7 +206,7 @@ PYTHONS_OWN = {
     "Facets.first Facets.vertex HitLists.first HitLists.t HitLists.triangle HitLists.u HitLists.v PairLists.first PairLists.a "
     "PairLists.b Hits.t Hits.triangle Hits.u Hits.v": "columns of answers",
     "Hits.hit Pairs.intersecting PairLists.intersecting": "made of the columns",
-    "Closest ClosestOne Hits Pairs Distances Leaves SumDistances": "tuples of columns",
+    "Closest ClosestOne Hits Pairs Distances Leaves SumDistances Report Finding Repair": "tuples of columns",
     "ClosestOne.distance ClosestOne.point ClosestOne.triangle ClosestOne.feature_kind ClosestOne.feature ClosestOne.barycentric":
     "named as the columns of Closest",
     "FEATURE_KINDS CELL_KINDS": "names of numbers", "InvalidInput FileMissing FileNotWritable LimitExceeded": "Error.code as types",
