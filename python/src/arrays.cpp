@@ -1,5 +1,6 @@
 #include "arrays.h"
 
+#include <algorithm>
 #include <limits>
 
 namespace proxima::python {
@@ -136,6 +137,13 @@ Poses poses_of(const py::object& object)
         poses.poses.push_back(*pose);
     }
     return poses;
+}
+
+py::array rows_of(std::span<const Vec3> points)
+{
+    auto array = new_rows<double>(points.size(), 3);
+    std::ranges::copy(points, elements_of<Vec3>(array).begin());
+    return array;
 }
 
 py::array view_of(py::array array)

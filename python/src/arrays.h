@@ -65,6 +65,9 @@ template <class T>
         std::vector{static_cast<py::ssize_t>(size), static_cast<py::ssize_t>(columns)});
 }
 
+/// Points as an array of shape (n, 3).
+[[nodiscard]] py::array rows_of(std::span<const Vec3> points);
+
 /// The elements of a C-ordered array as another type of the same layout.
 template <class As, class T>
 [[nodiscard]] std::span<As> elements_of(py::array_t<T>& array)

@@ -12,13 +12,6 @@ namespace proxima::python {
 
 namespace {
 
-py::array rows_of(std::span<const Vec3> points)
-{
-    auto array = new_rows<double>(points.size(), 3);
-    std::ranges::copy(points, elements_of<Vec3>(array).begin());
-    return array;
-}
-
 template <class T>
 py::object optional_of(const std::optional<T>& value)
 {

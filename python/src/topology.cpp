@@ -1,6 +1,6 @@
-#include "proxima/topology.h"
 #include "arrays.h"
 #include "bindings.h"
+#include "mesh_topology.h"
 #include "proxima/neighbourhood.h"
 #include "run.h"
 
@@ -12,13 +12,6 @@
 namespace proxima::python {
 
 namespace {
-
-/// The topology with Python's mesh, which rings are searched in.
-struct MeshTopology {
-    py::object owner;
-    const TriangleMesh* mesh = nullptr;
-    Topology topology;
-};
 
 MeshTopology build(const py::object& mesh, int threads, const py::object& progress)
 {
