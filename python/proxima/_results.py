@@ -184,6 +184,16 @@ Material = _result(
     "Material", "What an object feels like; a device's limits bound it.", (500.0, 1.0, 0.4, 0.3),
     stiffness="float: N/m", damping="float: N s/m", static_friction="float", dynamic_friction="float: at most static_friction")
 
+Texture = _result(
+    "Texture", "What a surface feels like beside its Material. Nothing by default; a device's limits bound it.",
+    ("none", 0.0, 0.004, (1.0, 0.0, 0.0), 0.0, 0.0, 0.0, 0.0, 150.0, 80.0),
+    bump='str: "none", "grating" along direction, "dimples" or "noise": grooves below the triangles',
+    amplitude="float: m of the device, half the depth of a groove", wavelength="float: m of the device",
+    direction="(3,) floats, of a grating, in the object's frame",
+    viscosity="float: N s/m, against motion along the surface",
+    stick_slip_stiffness="float: N/m, of a spring along the surface that lets go", stick_slip_force="float: N, at which it lets go",
+    tap_gain="float: N s/m, of a vibration after an impact", tap_frequency="float: Hz", tap_decay="float: 1/s")
+
 DeviceLimits = _result(
     "DeviceLimits", "What a haptic device can do.", (3.3, 400.0, 4.0, 0.075),
     max_force="float: N", max_stiffness="float: N/m", max_damping="float: N s/m",

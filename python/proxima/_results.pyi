@@ -160,6 +160,18 @@ class Material(NamedTuple):
     static_friction: float = 0.4
     dynamic_friction: float = 0.3
 
+class Texture(NamedTuple):
+    bump: str = "none"
+    amplitude: float = 0.0
+    wavelength: float = 0.004
+    direction: tuple[float, float, float] = (1.0, 0.0, 0.0)
+    viscosity: float = 0.0
+    stick_slip_stiffness: float = 0.0
+    stick_slip_force: float = 0.0
+    tap_gain: float = 0.0
+    tap_frequency: float = 150.0
+    tap_decay: float = 80.0
+
 class DeviceLimits(NamedTuple):
     max_force: float = 3.3
     max_stiffness: float = 400.0

@@ -52,6 +52,9 @@ struct Poses {
 /// Of None (one that moves nothing), or an array of shape (3, 4), (4, 4), (n, 3, 4) or (n, 4, 4).
 [[nodiscard]] Poses poses_of(const py::object& object);
 
+/// One of these: None, or an array of shape (3, 4) or (4, 4).
+[[nodiscard]] RigidTransform pose_of(const py::object& object);
+
 /// An array without values.
 template <class T>
 [[nodiscard]] py::array_t<T> new_array(std::size_t size)

@@ -177,9 +177,10 @@ or InvalidInput for a file that is damaged or none of ours.)")
     vertices  (V, 3) floats, one for each vertex of the mesh, whose triangles stay
     topology  the Topology of the mesh, to save building it in every call
 
-With lists where this one has some, without distances and signs. Answers are exact; queries are slower the farther neighbours
-moved apart. The index itself stays as it was. Up to a microsecond per triangle. Raises InvalidInput for another number of
-vertices, NaN, another mesh's topology, and vertices outside of what lists were built for: then build anew.)")
+With lists where this one has some, without distances and signs. Answers are exact; queries are slower the farther
+neighbours moved apart. The index itself stays as it was. A refit with lists cannot be saved. Up to a microsecond per
+triangle. Raises InvalidInput for another number of vertices, NaN, another mesh's topology, and vertices outside of what
+lists were built for: then build anew.)")
         .def_property_readonly("triangle_count", &MeshIndex::triangle_count)
         .def_property_readonly("vertex_count", &MeshIndex::vertex_count)
         .def_property_readonly("edge_count", &MeshIndex::edge_count)

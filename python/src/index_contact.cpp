@@ -116,12 +116,11 @@ struct PartColumns {
 
 py::object contour(const MeshIndex& index, const MeshIndex& other, const py::object& pose)
 {
-    const Poses moved = poses_of(pose);
-    if (!moved.single) refuse("pose", "must be one pose, of shape (3, 4) or (4, 4)");
+    const RigidTransform moved = pose_of(pose);
     IntersectionContour found;
     {
         const py::gil_scoped_release unlocked;
-        found = intersection_contour(index, other, moved.poses[0]);
+        found = intersection_contour(index, other, moved);
     }
     const std::size_t size = found.points.size();
     auto points = new_rows<double>(size, 3);

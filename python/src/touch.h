@@ -30,6 +30,9 @@ struct SharedScene {
 /// A material of four numbers, or nothing for None.
 [[nodiscard]] std::optional<SurfaceMaterial> material_of(const py::object& material);
 
+/// Of a proxima.Texture, or nothing for None.
+[[nodiscard]] std::optional<SurfaceTexture> texture_of(const py::object& texture);
+
 /// A body of a Mesh or an Index. Cancelled by Ctrl-C.
 [[nodiscard]] TouchBody body_of(const py::object& model, const TouchBodyOptions& options);
 

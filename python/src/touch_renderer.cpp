@@ -11,6 +11,8 @@
 #include <array>
 #include <cmath>
 #include <mutex>
+#include <optional>
+#include <pybind11/stl.h>
 #include <pybind11/stl/filesystem.h>
 #include <string>
 #include <utility>
@@ -89,11 +91,11 @@ Guard guard_named(const std::string& name)
 }
 
 /// The map that fits the box, but for what was given.
-WorkspaceMap map_of(const Box& box, const DeviceLimits& limits, const py::object& units_per_metre,
-                    const py::object& center)
+WorkspaceMap map_of(const Box& box, const DeviceLimits& limits,
+                    std::optional<double> units_per_metre, const py::object& center)
 {
     WorkspaceMap map = fit_workspace(box, limits.workspace_radius);
-    if (!units_per_metre.is_none()) map.units_per_metre = units_per_metre.cast<double>();
+    if (units_per_metre) map.units_per_metre = *units_per_metre;
     if (!center.is_none()) map.center = point_of(center, "center");
     return map;
 }
@@ -104,8 +106,8 @@ Box bounds_of(const MeshIndex& index)
 }
 
 std::unique_ptr<SharedRenderer> make(const py::object& model, const py::object& device,
-                                     const py::object& units_per_metre, const py::object& center,
-                                     const RenderOptions& options)
+                                     std::optional<double> units_per_metre,
+                                     const py::object& center, const RenderOptions& options)
 {
     const DeviceLimits limits = limits_of(device);
     if (py::isinstance<SharedScene>(model)) {
@@ -213,7 +215,7 @@ void bind_touch_renderer(py::module_& module)
         R"(From where a haptic device is to the force that it gets, tick by tick.
 
 TouchRenderer(model, *, device="omni", units_per_metre=None, center=None, stiffness=500, damping=1, proxy_radius=0,
-              static_friction=0.4, dynamic_friction=0.3, guard="on")
+              static_friction=0.4, dynamic_friction=0.3, guard="on", texture=None, shading=False)
 
     model             a Mesh, an Index or a TouchScene
     device            "touch", "omni", "desktop", "falcon", "omega" or "delta", or DeviceLimits
@@ -222,32 +224,38 @@ TouchRenderer(model, *, device="omni", units_per_metre=None, center=None, stiffn
                       into the device's workspace
     stiffness         N/m, damping in N s/m: at most the device's
     proxy_radius      m; 0 is a point
-    static_friction   as of coefficients; dynamic_friction at most that. Of what has no material
+    static_friction   of what has no Material, as stiffness and damping; dynamic_friction at most that
     guard             "on": walls never give more energy than they took; "observe" or "off"
+    texture           a Texture, of what has none of its own
+    shading           True: forces lean towards the smooth normals of objects that were added with shading
 
 The proxy never passes a triangle, and a spring pulls the device to it. Calls of several threads wait for one another. An
 application that needs a thousand ticks a second whatever else happens runs them in C++: see `proxima touch`. Raises
 InvalidInput for numbers out of range.)")
-        .def(
-            py::init([](const py::object& model, const py::object& device,
-                        const py::object& units_per_metre, const py::object& center,
-                        double stiffness, double damping, double proxy_radius,
-                        double static_friction, double dynamic_friction, const std::string& guard) {
-                RenderOptions options;
-                options.force.stiffness = stiffness;
-                options.force.damping = damping;
-                options.proxy_radius = proxy_radius;
-                options.static_friction = static_friction;
-                options.dynamic_friction = dynamic_friction;
-                options.guard = guard_named(guard);
-                return make(model, device, units_per_metre, center, options);
-            }),
-            py::arg("model"), py::kw_only(), py::arg("device") = "omni",
-            py::arg("units_per_metre") = py::none(), py::arg("center") = py::none(),
-            py::arg("stiffness") = usual.force.stiffness, py::arg("damping") = usual.force.damping,
-            py::arg("proxy_radius") = usual.proxy_radius,
-            py::arg("static_friction") = usual.static_friction,
-            py::arg("dynamic_friction") = usual.dynamic_friction, py::arg("guard") = "on")
+        .def(py::init([](const py::object& model, const py::object& device,
+                         std::optional<double> units_per_metre, const py::object& center,
+                         double stiffness, double damping, double proxy_radius,
+                         double static_friction, double dynamic_friction, const std::string& guard,
+                         const py::object& texture, bool shading) {
+                 RenderOptions options;
+                 options.force.stiffness = stiffness;
+                 options.force.damping = damping;
+                 options.proxy_radius = proxy_radius;
+                 options.static_friction = static_friction;
+                 options.dynamic_friction = dynamic_friction;
+                 options.guard = guard_named(guard);
+                 if (const auto own = texture_of(texture)) options.texture = *own;
+                 options.shading = shading ? ForceShading::on : ForceShading::off;
+
+                 return make(model, device, units_per_metre, center, options);
+             }),
+             py::arg("model"), py::kw_only(), py::arg("device") = "omni",
+             py::arg("units_per_metre") = py::none(), py::arg("center") = py::none(),
+             py::arg("stiffness") = usual.force.stiffness, py::arg("damping") = usual.force.damping,
+             py::arg("proxy_radius") = usual.proxy_radius,
+             py::arg("static_friction") = usual.static_friction,
+             py::arg("dynamic_friction") = usual.dynamic_friction, py::arg("guard") = "on",
+             py::arg("texture") = py::none(), py::arg("shading") = false)
         .def("step", &step, py::arg("position"), py::arg("velocity") = py::none(),
              py::arg("seconds") = 1e-3, py::kw_only(), py::arg("progress") = py::none(),
              R"(Ticks, one after the other, as a Touch.

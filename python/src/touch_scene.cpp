@@ -5,6 +5,7 @@
 #include "touch.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <string>
 
@@ -22,13 +23,6 @@ std::shared_ptr<SharedScene> make_scene(const py::object& bounds)
     return std::make_shared<SharedScene>(box);
 }
 
-RigidTransform pose_of(const py::object& pose)
-{
-    const Poses poses = poses_of(pose);
-    if (!poses.single) refuse("pose", "must be one pose, of shape (3, 4) or (4, 4)");
-    return poses.poses[0];
-}
-
 ObjectId object_numbered(const SharedScene& self, std::int64_t object)
 {
     const std::size_t count = self.scene.object_count();
@@ -39,11 +33,18 @@ ObjectId object_numbered(const SharedScene& self, std::int64_t object)
     return ObjectId{static_cast<std::uint32_t>(object)};
 }
 
+TouchBodyOptions body_options(const py::object& material, const py::object& texture, bool shading)
+{
+    return {.material = material_of(material),
+            .texture = texture_of(texture),
+            .shading = shading ? ForceShading::on : ForceShading::off};
+}
+
 std::uint32_t add(SharedScene& self, const py::object& model, const py::object& pose,
-                  const py::object& material)
+                  const py::object& material, const py::object& texture, bool shading)
 {
     const RigidTransform where = pose_of(pose);
-    const TouchBody body = body_of(model, {.material = material_of(material)});
+    const TouchBody body = body_of(model, body_options(material, texture, shading));
     if (self.touched) refuse("scene", "add all objects before the first TouchRenderer is made");
     const ObjectId object = value_of(self.scene.add(body, where));
     self.bodies.push_back(body);
@@ -62,9 +63,9 @@ void move(SharedScene& self, std::int64_t object, const py::object& pose, double
 }
 
 void exchange(SharedScene& self, std::int64_t object, const py::object& model,
-              const py::object& material)
+              const py::object& material, const py::object& texture, bool shading)
 {
-    const TouchBody body = body_of(model, {.material = material_of(material)});
+    const TouchBody body = body_of(model, body_options(material, texture, shading));
     const ObjectId id = object_numbered(self, object);
     value_of(self.scene.exchange(id, body));
     self.bodies[to_index(id)] = body;
@@ -117,6 +118,36 @@ std::optional<SurfaceMaterial> material_of(const py::object& material)
     return SurfaceMaterial{numbers.at(0), numbers.at(1), numbers.at(2), numbers.at(3)};
 }
 
+std::optional<SurfaceTexture> texture_of(const py::object& texture)
+{
+    if (texture.is_none()) return std::nullopt;
+    if (!py::isinstance(texture, result_type("Texture")))
+        refuse("texture", "must be a Texture, is a " + type_name(texture));
+    const auto number = [&](const char* name) {
+        try {
+            return texture.attr(name).cast<double>();
+        } catch (const py::cast_error&) {
+            refuse(std::string("texture.") + name, "must be a number");
+        }
+    };
+    constexpr std::array names = {"none", "grating", "dimples", "noise"};
+    const std::string bump = py::str(texture.attr("bump"));
+    const auto* const shape = std::ranges::find(names, bump);
+    if (shape == names.end()) {
+        refuse("texture.bump",
+               R"(must be "none", "grating", "dimples" or "noise", is ")" + bump + "\"");
+    }
+    SurfaceTexture made;
+    made.bump.shape = static_cast<BumpShape>(shape - names.begin());
+    made.bump.amplitude = number("amplitude");
+    made.bump.wavelength = number("wavelength");
+    made.bump.direction = point_of(texture.attr("direction"), "texture.direction");
+    made.viscosity = number("viscosity");
+    made.stick_slip = {number("stick_slip_stiffness"), number("stick_slip_force")};
+    made.tap = {number("tap_gain"), number("tap_frequency"), number("tap_decay")};
+    return made;
+}
+
 TouchBody body_of(const py::object& model, const TouchBodyOptions& options)
 {
     const bool is_mesh = py::isinstance<TriangleMesh>(model);
@@ -148,10 +179,13 @@ call any method. What is said takes effect in the next tick of a TouchRenderer.)
         .def(py::init(&make_scene), py::arg("bounds"))
         .def(
             "add", &add, py::arg("model"), py::arg("pose") = py::none(), py::kw_only(),
-            py::arg("material") = py::none(),
+            py::arg("material") = py::none(), py::arg("texture") = py::none(),
+            py::arg("shading") = false,
             R"(Adds a Mesh or an Index in a rigid pose (3, 4) or (4, 4), and returns its number, from 0.
 
     material  a Material; None: what the renderer's options say
+    texture   a Texture; None: the renderer's
+    shading   True: with smooth normals, for renderers with shading
 
 Before the first renderer is made. A mesh takes about 5 us per triangle. Raises InvalidInput for an object that leaves the
 bounds, a pose that is not rigid, and numbers out of range.)")
@@ -165,8 +199,9 @@ bounds, a pose that is not rigid, and numbers out of range.)")
 
 Raises InvalidInput where it would leave the bounds.)")
         .def("exchange", &exchange, py::arg("object"), py::arg("model"), py::kw_only(),
-             py::arg("material") = py::none(),
-             "Gives an object another Mesh or Index, and another material; costs and errors as "
+             py::arg("material") = py::none(), py::arg("texture") = py::none(),
+             py::arg("shading") = false,
+             "Gives an object another Mesh or Index, with what add() takes; costs and errors as "
              "add().")
         .def(
             "deform", &deform, py::arg("object"), py::arg("vertices"), py::kw_only(),

@@ -1,4 +1,6 @@
 """Self-intersections, insides, contours and refits against NumPy alone, circles and new indexes."""
+import pickle
+
 import numpy as np
 import pytest
 from hypothesis import given
@@ -98,7 +100,7 @@ def test_contains_of_an_open_mesh(mesh, points):
 
 
 @pytest.mark.parametrize("lists", [False, True])
-def test_refit_answers_as_a_new_index(mesh, points, lists):
+def test_refit_answers_as_a_new_index(tmp_path, mesh, points, lists):
     index = proxima.Index(mesh, lists=lists, signs=True)
     bent = mesh.vertices + 0.05 * np.sin(7 * mesh.vertices[:, [1, 2, 0]])
     before = index.closest(points)
@@ -112,6 +114,11 @@ def test_refit_answers_as_a_new_index(mesh, points, lists):
             assert np.array_equal(mine, other, equal_nan=True)
     for mine, other in zip(index.closest(points), before):
         assert np.array_equal(mine, other)
+    if lists:
+        with pytest.raises(proxima.InvalidInput, match="lists"):
+            refit.save(tmp_path / "a.pxi")
+    else:
+        assert pickle.loads(pickle.dumps(refit)).fingerprint == expected.fingerprint
 
 
 def test_refit_refuses(mesh, index):

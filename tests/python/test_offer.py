@@ -21,7 +21,6 @@ BATCHES = "the batch answers the same"
 STRUCTURE = "how it is made inside"
 NAMES = "Python has columns for it"
 NOT_YET = "not bound yet"
-NO_TEXTURE = "textures and smooth normals: " + NOT_YET + ", but replayed"
 
 # C++ name: Python name. Lists of names are separated by spaces.
 OFFERED = {
@@ -55,7 +54,7 @@ OFFERED = {
                    "Ray.origin Ray.direction Ray.t_min Ray.t_max": "Index.cast"},
     "haptic_renderer.h": {
         "make_haptic_renderer fit_workspace RenderOptions.force RenderOptions.proxy_radius RenderOptions.static_friction "
-        "RenderOptions.dynamic_friction RenderOptions.guard ForceOptions.stiffness ForceOptions.damping": "TouchRenderer",
+        "RenderOptions.dynamic_friction RenderOptions.guard RenderOptions.shading RenderOptions.texture ForceOptions.stiffness ForceOptions.damping": "TouchRenderer",
         "HapticRenderer.tick": "TouchRenderer.step", "HapticRenderer.reset": "TouchRenderer.reset",
         "HapticRenderer.options": "TouchRenderer.options", "WorkspaceMap.units_per_metre": "TouchRenderer.units_per_metre",
         "WorkspaceMap.center HapticRenderer.map": "TouchRenderer.center", "RenderTick.force": "Touch.force",
@@ -142,7 +141,12 @@ OFFERED = {
     "topology.h": {"build_topology": "Topology", "Topology.vertices Topology.edge_count": "Topology.edges",
                    "Topology.across": "Topology.neighbours", "Feature.kind Feature.id": "Closest"},
     "touch_scene.h": {
-        "TouchScene.add build_touch_body TouchBodyOptions.material": "TouchScene.add", "TouchScene.move ObjectMotion.pose "
+        "TouchScene.add build_touch_body TouchBodyOptions.material TouchBodyOptions.shading TouchBodyOptions.texture": "TouchScene.add",
+        "SurfaceTexture.bump Bump.shape": "Texture.bump", "Bump.amplitude": "Texture.amplitude", "Bump.wavelength":
+        "Texture.wavelength", "Bump.direction": "Texture.direction", "SurfaceTexture.viscosity": "Texture.viscosity",
+        "SurfaceTexture.stick_slip StickSlip.stiffness": "Texture.stick_slip_stiffness",
+        "StickSlip.max_force": "Texture.stick_slip_force", "SurfaceTexture.tap Tap.gain": "Texture.tap_gain",
+        "Tap.frequency": "Texture.tap_frequency", "Tap.decay": "Texture.tap_decay", "TouchScene.move ObjectMotion.pose "
         "ObjectMotion.seconds ObjectMotion.velocity ObjectMotion.spin ObjectMotion.coast_seconds": "TouchScene.move",
         "TouchScene.exchange": "TouchScene.exchange", "TouchScene.deform refit_touch_body": "TouchScene.deform",
         "TouchScene.set_material": "TouchScene.set_material", "TouchScene.pose": "TouchScene.pose",
@@ -211,7 +215,7 @@ LEFT_OUT = {
         "arithmetic of arrays"},
     "haptic_renderer.h": {
         "ForceOptions.loss_seconds ForceOptions.max_slew ForceOptions.start_seconds RenderOptions.max_jump RenderOptions.max_moves":
-        "for tuning: " + NOT_YET, "RenderOptions.shading RenderOptions.texture RenderTick.tap RenderTick.texture": NO_TEXTURE,
+        "for tuning: " + NOT_YET, "RenderTick.tap RenderTick.texture": "parts of Touch.force",
         "HapticRenderer.last HapticRenderer.path RenderTick.condition RenderTick.moves RenderTick.position RenderTick.slide_end "
         "RenderTick.spring RenderTick.squeezed RenderTick.surface_velocity": NOT_YET,
         "WorkspaceMap.to_device WorkspaceMap.to_model": "arithmetic of arrays"},
@@ -256,9 +260,7 @@ LEFT_OUT = {
     "touch_scene.h": {
         "TouchBody.mesh": "Index.mesh has it", "TouchScene.advance SceneTick.exchanged SceneTick.moved SceneTick.seconds": STRUCTURE,
         "TouchScene.velocity": NOT_YET, "scene_triangle to_index": NAMES,
-        "TouchBodyOptions.shading TouchBodyOptions.texture SurfaceTexture.any SurfaceTexture.bump SurfaceTexture.stick_slip "
-        "SurfaceTexture.tap SurfaceTexture.viscosity Bump.amplitude Bump.any Bump.direction Bump.shape Bump.wavelength "
-        "StickSlip.any StickSlip.max_force StickSlip.stiffness Tap.any Tap.decay Tap.frequency Tap.gain": NO_TEXTURE,
+        "SurfaceTexture.any Bump.any StickSlip.any Tap.any": "arithmetic of numbers",
         "open_engine_channel EngineChannel.receive EngineChannel.report EngineChannel.send EngineChannel.trouble "
         "EngineReport.accepted EngineReport.duplicated EngineReport.foreign EngineReport.leapt EngineReport.lost "
         "EngineReport.malformed EngineReport.materials EngineReport.motions EngineReport.other_versions EngineReport.received "
@@ -275,7 +277,7 @@ PYTHONS_OWN = {
     "PairLists.b Hits.t Hits.triangle Hits.u Hits.v": "columns of answers",
     "Hits.hit Pairs.intersecting PairLists.intersecting": "made of the columns",
     "Closest ClosestOne Hits Pairs Distances Leaves SumDistances Report Finding Repair SelfIntersections "
-    "Containments Contour CellsOnRays CellsOnRays.first Material DeviceLimits Touch Contacts Contour.ids_b SelfIntersections.b": "tuples of columns",
+    "Containments Contour CellsOnRays CellsOnRays.first Material Texture DeviceLimits Touch Contacts Contour.ids_b SelfIntersections.b": "tuples of columns",
     "ClosestOne.distance ClosestOne.point ClosestOne.triangle ClosestOne.feature_kind ClosestOne.feature ClosestOne.barycentric":
     "named as the columns of Closest",
     "Replay Replay.touch Replay.seconds Replay.position Replay.velocity Replay.force Replay.differences Replay.tick_seconds "

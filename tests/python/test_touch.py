@@ -215,6 +215,20 @@ def test_steps_have_the_bits_of_the_program(tmp_path):
 
 
 @compared
+def test_textures_have_the_bits_of_the_program(tmp_path):
+    session(tmp_path, "torus:24x12", "--device", "hand:stroke", "--friction", "0.5", "--texture", "grating:0.0003,0.004,0,1,0",
+            "--texture", "viscosity:0.5", "--texture", "stick-slip:60,0.5", "--texture", "tap:3,120,60")
+    mesh = proxima.Mesh.sample("torus:24x12")
+    replay = proxima.TouchRenderer.replay(tmp_path / "a.pxt", mesh)
+    texture = proxima.Texture("grating", 0.0003, 0.004, (0, 1, 0), viscosity=0.5, stick_slip_stiffness=60, stick_slip_force=0.5,
+                              tap_gain=3, tap_frequency=120, tap_decay=60)
+    for chosen in (texture, None):
+        renderer = proxima.TouchRenderer(mesh, static_friction=0.5, dynamic_friction=0.375, texture=chosen)
+        touch = renderer.step(replay.position, replay.velocity, replay.tick_seconds)
+        assert (touch.force.tobytes() == replay.force.tobytes()) == (chosen is texture)
+
+
+@compared
 def test_replays_a_scene(tmp_path):
     session(tmp_path, "torus:24x12", "--object", "icosphere:3", "--pose", "1=3,0,0", "--motion", "0=rock:0,0,1,20,2",
             "--material", "1=200,1,0.2", "--device", "hand:slide")
@@ -260,6 +274,32 @@ def test_objects_move_bend_and_change(wall):
     assert force() == pytest.approx(0.3, rel=1e-3)
     scene.exchange(0, wall, material=(200, 1, 0.1, 0.1))
     assert force() == pytest.approx(0.6, rel=1e-3)
+
+
+def test_objects_have_textures_of_their_own(wall):
+    forces = []
+    for texture in (None, proxima.Texture(viscosity=1)):
+        scene = proxima.TouchScene([[-1, -1, -1], [1, 1, 1]])
+        scene.add(wall, texture=texture, material=proxima.Material(300, 0, 0, 0))
+        path = press(0.004, 4000, across=0.02)
+        forces.append(proxima.TouchRenderer(scene, **PLAIN).step(path, np.gradient(path, 1e-3, axis=0)).force[-100:])
+    assert np.allclose(forces[0][:, 0], 0, atol=1e-6)
+    assert np.allclose(forces[1][:, 0], -1 * 0.02 / 2, rtol=0.1)  # 1 N s/m, 2 cm in two seconds
+
+
+def test_shading_leans_forces_to_the_smooth_normal():
+    ball = proxima.Mesh.sample("icosphere:2")
+    outward = ball.vertices[ball.faces[0]].T @ [0.2, 0.3, 0.5]
+    outward /= np.linalg.norm(outward)
+    angles = []
+    for shading in (False, True):
+        scene = proxima.TouchScene([[-2, -2, -2], [2, 2, 2]])
+        scene.add(ball, shading=shading)
+        renderer = proxima.TouchRenderer(scene, static_friction=0, dynamic_friction=0, shading=shading)
+        path = np.linspace(1.2, 0.95, 1500)[:, None] * outward / renderer.units_per_metre
+        force = renderer.step(path).force[-1]
+        angles.append(np.degrees(np.arccos(force @ outward / np.linalg.norm(force))))
+    assert angles[1] < 0.5 * angles[0] and angles[0] > 1
 
 
 def test_renderers_keep_what_they_touch(wall):
@@ -318,13 +358,18 @@ TURNED = [[2, 0, 0, 0], [0, 1, 0, 0], [0, 0, 1, 0]]
 @pytest.mark.parametrize("ask, says", [
     (lambda w: proxima.TouchScene([[0, 0, 0]]), r"bounds: must be lowest and highest corner, \(2, 3\)"),
     (lambda w: proxima.TouchScene(BOX[::-1]), "bounds: must be finite, the lowest corner first"),
-    (lambda w: proxima.TouchScene(BOX).add(w, np.zeros((2, 3, 4))), "pose: must be one pose|pose 0"),
-    (lambda w: proxima.TouchScene(BOX).add(w, TURNED), "poses"),
+    (lambda w: proxima.TouchScene(BOX).add(w, np.zeros((2, 3, 4))), r"pose: must be one pose, of shape \(3, 4\) or \(4, 4\), has \(2, 3, 4\)"),
+    (lambda w: proxima.TouchScene(BOX).add(w, TURNED), "pose: "),
     (lambda w: proxima.TouchScene(BOX).add(w, [[1, 0, 0, 5], [0, 1, 0, 0], [0, 0, 1, 0]]), "bounds"),
     (lambda w: proxima.TouchScene(BOX).add(w, material=(1, 2)), "material: must be a Material"),
     (lambda w: proxima.TouchScene(BOX).add(w, material=proxima.Material(-1)), "stiffness|material"),
     (lambda w: proxima.TouchScene(BOX).move(0, np.eye(4)), "object: must be below 0, the number of objects, is 0"),
     (lambda w: proxima.TouchScene(BOX).pose(-1), "object: must be below 0, the number of objects, is -1"),
+    (lambda w: proxima.TouchScene(BOX).add(w, texture=3), "texture: must be a Texture, is a int"),
+    (lambda w: proxima.TouchRenderer(w, texture=proxima.Texture("wood")),
+     'texture.bump: must be "none", "grating", "dimples" or "noise", is "wood"'),
+    (lambda w: proxima.TouchRenderer(w, texture=proxima.Texture("noise", "deep")), "texture.amplitude: must be a number"),
+    (lambda w: proxima.TouchRenderer(w, texture=proxima.Texture("noise", 1)), "amplitude"),
     (lambda w: proxima.TouchRenderer(w, device="pen"), 'device: "pen" is not known: use one of touch omni'),
     (lambda w: proxima.TouchRenderer(w, device=(1, 2)), "device: must be a name or DeviceLimits"),
     (lambda w: proxima.TouchRenderer(w, device=(1, 2, 3, 0)), "device.workspace_radius: must be above 0"),

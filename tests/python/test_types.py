@@ -116,7 +116,7 @@ def test_dtypes_of_columns():
                proxima.Topology(mesh).patch(index.closest([[0, 0, 3]]))]
     answers += [mesh.report(), proxima.Mesh(mesh.vertices[:3], [[0, 1, 2]]).report().findings[0], mesh.repair()]
     answers += [index.self_intersections(), index.contour(index, np.eye(4)[:3] + 0.1 * np.eye(3, 4, 3)),
-                proxima.Octree(mesh).along_rays([[0, 0, 3]], [[0, 0, -1]]), proxima.Material(), proxima.DeviceLimits()]
+                proxima.Octree(mesh).along_rays([[0, 0, 3]], [[0, 0, -1]]), proxima.Material(), proxima.Texture(), proxima.DeviceLimits()]
     answers += [proxima.TouchRenderer(mesh).step(np.zeros((3, 3)))]
     answers += [answers[-1].contacts]
     body = proxima.Polyhedron.of_mesh(mesh)
