@@ -22,7 +22,7 @@ struct SharedScene {
 
     Box bounds;
     TouchScene scene;
-    std::vector<TouchBody> bodies; ///< by object: the ones given last
+    std::vector<TouchBody> bodies; ///< by object: those added or exchanged last
     bool touched = false;          ///< a renderer was made: no objects are added any more
     std::shared_mutex ticks;       ///< held by renderers while they tick, and by who reads poses
 };

@@ -75,10 +75,9 @@ void deform(SharedScene& self, std::int64_t object, const py::object& vertices, 
 {
     const PointsArgument positions(vertices, "vertices");
     const ObjectId id = object_numbered(self, object);
-    TouchBody& last = self.bodies[to_index(id)];
-    const TouchBody bent = value_of(refit_touch_body(last, positions.points()));
+    const TouchBody bent =
+        value_of(refit_touch_body(self.bodies[to_index(id)], positions.points()));
     value_of(self.scene.deform(id, bent, seconds));
-    last = bent;
 }
 
 void set_material(SharedScene& self, std::int64_t object, const py::object& material,

@@ -106,16 +106,16 @@ def test_a_root_of_one_s_own(mesh):
 
 @pytest.mark.parametrize("exact", [False, True])
 def test_visible_leaves(mesh, exact):
-    octree = proxima.Octree(mesh, max_depth=5)
+    octree = proxima.Octree(mesh, max_depth=5, uniform=True)
     leaves = octree.leaves()
-    planes = np.array([[1, 2, 0.5, 0.3], [0, -1, 0.25, 0.4]])
+    planes = np.array([[0.2, -1, 0, 0.03 - 0.2], [0.2, 1, 0, -0.03 - 0.2]])  # a wedge that opens along x from x = 1
     highest = np.where(planes[:, None, :3] > 0, leaves.upper, leaves.lower)
     seen = ((highest * planes[:, None, :3]).sum(axis=2) + planes[:, 3:] >= 0).all(axis=0)
-    found = octree.visible(planes, exact=exact)
-    assert (np.diff(found) > 0).all() and 0 < len(found) < len(leaves.kind)
-    assert np.array_equal(found, np.flatnonzero(seen)) if not exact else set(found) <= set(np.flatnonzero(seen))
-    one = octree.visible(planes[:1], exact=exact)
-    assert np.array_equal(one, np.flatnonzero(((highest * planes[:, None, :3]).sum(axis=2) + planes[:, 3:] >= 0)[0]))
+    behind = leaves.upper[:, 0] < 1
+    assert (seen & behind).any() and (seen & ~behind).any()
+    assert np.array_equal(octree.visible(planes, exact=exact), np.flatnonzero(seen & ~behind if exact else seen))
+    all_planes = proxima.perspective((0, -5, 0), (0, 1, 0), (0, 0, 1))
+    assert len(octree.visible(all_planes, exact=exact)) == len(leaves.kind)
 
 
 def test_leaves_along_rays(mesh):

@@ -3,13 +3,18 @@ import ctypes
 import gc
 import json
 import os
+import socket
 import subprocess
 import threading
+import time
+from pathlib import Path
 
 import numpy as np
 import pytest
 
 import proxima
+
+ROOT = Path(__file__).resolve().parents[2]
 
 # One metre of the device is one unit of the model, whose origin is the device's.
 PLAIN = {"units_per_metre": 1.0, "center": (0, 0, 0)}
@@ -231,7 +236,7 @@ def test_textures_have_the_bits_of_the_program(tmp_path):
 @compared
 def test_replays_a_scene(tmp_path):
     session(tmp_path, "torus:24x12", "--object", "icosphere:3", "--pose", "1=3,0,0", "--motion", "0=rock:0,0,1,20,2",
-            "--material", "1=200,1,0.2", "--device", "hand:slide")
+            "--material", "1=200,1,0.2", "--shading", "--device", "hand:slide")
     models = [proxima.Mesh.sample("torus:24x12"), proxima.Mesh.sample("icosphere:3")]
     replay = proxima.TouchRenderer.replay(tmp_path / "a.pxt", models)
     assert replay.differences == 0 and replay.touch.force.tobytes() == replay.force.tobytes()
@@ -240,6 +245,29 @@ def test_replays_a_scene(tmp_path):
                          (models[0], "model: must be a list of the scene's 2")):
         with pytest.raises(proxima.InvalidInput, match=says):
             proxima.TouchRenderer.replay(tmp_path / "a.pxt", models)
+
+
+@compared
+def test_replays_what_an_engine_moved(tmp_path, monkeypatch):
+    monkeypatch.syspath_prepend(ROOT / "examples")
+    import engine_client
+
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as line:
+        line.bind(("127.0.0.1", 0))
+        name = f"udp:{line.getsockname()[1]}"
+    program = subprocess.Popen([os.environ["PROXIMA_PROGRAM"], "touch", "cube", "--device", "hand:press", "--engine", name,
+                                "--seconds", "2", "--quiet", "--record", tmp_path / "a.pxt"])
+    channel = engine_client.open_channel(name)
+    step = 0
+    while program.poll() is None:
+        channel.send([engine_client.pose_of(0, (0.02 * np.sin(0.2 * step), 0, 0.02 * np.sin(0.1 * step)),
+                                            material=(200 + step, 1, 0.3, 0.2))])
+        time.sleep(0.02)
+        step += 1
+    channel.close()
+    assert program.returncode == 0
+    replay = proxima.TouchRenderer.replay(tmp_path / "a.pxt", [proxima.Mesh.sample("cube")])
+    assert replay.differences == 0 and (np.linalg.norm(replay.force, axis=1) > 0.1).any()
 
 
 @compared
@@ -270,7 +298,7 @@ def test_objects_move_bend_and_change(wall):
     assert force() == pytest.approx(0.3, rel=1e-3)
     scene.deform(0, wall.vertices + [0, 0, 0.002], seconds=0.1)
     assert force() == pytest.approx(0.5, rel=1e-3)
-    scene.deform(0, wall.vertices, seconds=0.1)  # of the body that was given last
+    scene.deform(0, wall.vertices, seconds=0.1)
     assert force() == pytest.approx(0.3, rel=1e-3)
     scene.exchange(0, wall, material=(200, 1, 0.1, 0.1))
     assert force() == pytest.approx(0.6, rel=1e-3)
