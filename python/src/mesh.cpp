@@ -140,7 +140,8 @@ Raises InvalidInput with the line or byte. A glTF that refers to other files is 
              py::arg("progress") = py::none(),
              R"(Writes OBJ, PLY, STL or OFF, told by the extension: whole or not at all.
 
-Positions read back to the same bits, except through binary STL, which is float32. PLY and STL are binary unless ascii=True.)")
+Positions read back to the same bits, except through binary STL, which is float32. PLY and STL are binary unless
+ascii=True.)")
         .def_static(
             "sample", &make_sample, py::arg("name"),
             R"(A built-in mesh: "cube", "octahedron", "sphere:STACKSxSLICES", "icosphere:N", "torus:NxM",

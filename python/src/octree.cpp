@@ -157,7 +157,8 @@ Octree(mesh, *, max_depth=5, threshold=1, uniform=False, root="cube", classify=T
     root       "cube" or "box", tight around the mesh, or lowest and highest corner of a box that holds it, (2, 3)
     classify   True: finds which empty leaves are inside
 
-Raises InvalidInput for a mesh without triangles or with NaN, or one that leaves the root; LimitExceeded where memory does not suffice.)");
+Raises InvalidInput for a mesh without triangles or with NaN, or one that leaves the root; LimitExceeded where memory
+does not suffice.)");
     octree
         .def(py::init(&build), py::arg("mesh"), py::kw_only(), py::arg("max_depth") = 5,
              py::arg("threshold") = 1U, py::arg("uniform") = false, py::arg("root") = "cube",

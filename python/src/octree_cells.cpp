@@ -77,6 +77,7 @@ py::object along_rays(const Octree& octree, const py::object& origins, const py:
     run(progress, Duration::lengthy, [&](Progress* watched) -> Status {
         watched->begin_stage("cells along rays", from.size());
         const LeafRows leaves(octree);
+        const Box root = octree.box(octree.root());
         for (std::size_t i = 0; i < from.size(); ++i) {
             if (watched->cancelled()) return fail(ErrorCode::cancelled, "the search was cancelled");
             const Ray ray{.origin = from.points()[i], .direction = along.points()[i]};
@@ -85,6 +86,12 @@ py::object along_rays(const Octree& octree, const py::object& origins, const py:
                             "ray " + std::to_string(i) +
                                 " is not finite or has no direction: leave it out",
                             "origins, directions");
+            }
+            if (!(root.lower - ray.origin).allFinite() || !(root.upper - ray.origin).allFinite()) {
+                return fail(ErrorCode::invalid_argument,
+                            "ray " + std::to_string(i) +
+                                " is so far from the octree that their distance is no number",
+                            "origins");
             }
             cells_along_ray(octree, ray, [&](const CellOnRay& at) {
                 rows.push_back(leaves.row(at.cell));

@@ -219,9 +219,8 @@ TouchRenderer(model, *, device="omni", units_per_metre=None, center=None, stiffn
 
     model             a Mesh, an Index or a TouchScene
     device            "touch", "omni", "desktop", "falcon", "omega" or "delta", or DeviceLimits
-    units_per_metre   of the model, and
-    center            (3,) floats: a position p of the device is center + units_per_metre p of the model; None fits the model
-                      into the device's workspace
+    units_per_metre   units of the model in a metre of the device; None fits the model into the device's workspace
+    center            (3,) floats, the point of the model at the device's origin; None is the middle of the model
     stiffness         N/m, damping in N s/m: at most the device's
     proxy_radius      m; 0 is a point
     static_friction   of what has no Material, as stiffness and damping; dynamic_friction at most that
@@ -229,9 +228,9 @@ TouchRenderer(model, *, device="omni", units_per_metre=None, center=None, stiffn
     texture           a Texture, of what has none of its own
     shading           True: forces lean towards the smooth normals of objects that were added with shading
 
-The proxy never passes a triangle, and a spring pulls the device to it. Calls of several threads wait for one another. An
-application that needs a thousand ticks a second whatever else happens runs them in C++: see `proxima touch`. Raises
-InvalidInput for numbers out of range.)")
+A position p of the device is center + units_per_metre p of the model. The proxy never passes a triangle, and a spring
+pulls the device to it. Calls of several threads wait for one another. An application that needs a thousand ticks a
+second whatever else happens runs them in C++: see `proxima touch`. Raises InvalidInput for numbers out of range.)")
         .def(py::init([](const py::object& model, const py::object& device,
                          std::optional<double> units_per_metre, const py::object& center,
                          double stiffness, double damping, double proxy_radius,

@@ -18,8 +18,9 @@ std::shared_ptr<SharedScene> make_scene(const py::object& bounds)
     const PointsArgument corners(bounds, "bounds");
     if (corners.size() != 2) refuse("bounds", "must be lowest and highest corner, (2, 3)");
     const Box box{corners.points()[0], corners.points()[1]};
-    if (box.empty() || !box.lower.allFinite() || !box.upper.allFinite())
-        refuse("bounds", "must be finite, the lowest corner first");
+    const Vec3 extent = box.upper - box.lower;
+    if (!extent.allFinite() || !(extent.array() > 0).all())
+        refuse("bounds", "must be finite and not flat, the lowest corner first");
     return std::make_shared<SharedScene>(box);
 }
 

@@ -140,3 +140,5 @@ def test_leaves_along_rays(mesh):
                       ((origins[:2], [[1, 0, 0], [0, 0, 0]]), "ray 1 is not finite or has no direction")):
         with pytest.raises(proxima.InvalidInput, match=says):
             octree.along_rays(*ask)
+    with pytest.raises(proxima.InvalidInput, match="origins: ray 0 is so far from the octree"):
+        proxima.Octree(mesh, root=[[-1e308] * 3, [1e307] * 3]).along_rays([[1e308, 0, 0]], [[-1, 0, 0]])

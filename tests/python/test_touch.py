@@ -385,7 +385,9 @@ TURNED = [[2, 0, 0, 0], [0, 1, 0, 0], [0, 0, 1, 0]]
 
 @pytest.mark.parametrize("ask, says", [
     (lambda w: proxima.TouchScene([[0, 0, 0]]), r"bounds: must be lowest and highest corner, \(2, 3\)"),
-    (lambda w: proxima.TouchScene(BOX[::-1]), "bounds: must be finite, the lowest corner first"),
+    (lambda w: proxima.TouchScene(BOX[::-1]), "bounds: must be finite and not flat, the lowest corner first"),
+    (lambda w: proxima.TouchScene([BOX[0], [1, 1, -1]]), "bounds: must be finite and not flat"),
+    (lambda w: proxima.TouchScene([[-1e308] * 3, [1e308] * 3]), "bounds: must be finite and not flat"),
     (lambda w: proxima.TouchScene(BOX).add(w, np.zeros((2, 3, 4))), r"pose: must be one pose, of shape \(3, 4\) or \(4, 4\), has \(2, 3, 4\)"),
     (lambda w: proxima.TouchScene(BOX).add(w, TURNED), "pose: "),
     (lambda w: proxima.TouchScene(BOX).add(w, [[1, 0, 0, 5], [0, 1, 0, 0], [0, 0, 1, 0]]), "bounds"),
