@@ -3,6 +3,7 @@
 
 #include "arrays.h"
 #include "proxima/haptic_renderer.h"
+#include "proxima/mesh_index.h"
 #include "proxima/touch_scene.h"
 
 #include <cstddef>
@@ -33,8 +34,11 @@ struct SharedScene {
 /// Of a proxima.Texture, or nothing for None.
 [[nodiscard]] std::optional<SurfaceTexture> texture_of(const py::object& texture);
 
-/// A body of a Mesh or an Index. Cancelled by Ctrl-C.
-[[nodiscard]] TouchBody body_of(const py::object& model, const TouchBodyOptions& options);
+/// An Index, or that of a Mesh. Cancelled by Ctrl-C, like body_of(). `wanted` says in the message what
+/// it must be.
+[[nodiscard]] MeshIndex index_of(const py::object& model, const char* wanted);
+
+[[nodiscard]] TouchBody body_of(const MeshIndex& index, const TouchBodyOptions& options);
 
 /// The columns of proxima.Touch.
 class TouchColumns {

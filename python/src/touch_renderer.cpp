@@ -117,18 +117,7 @@ std::unique_ptr<SharedRenderer> make(const py::object& model, const py::object& 
         scene->touched = true;
         return std::make_unique<SharedRenderer>(std::move(scene), std::move(made));
     }
-    const bool is_mesh = py::isinstance<TriangleMesh>(model);
-    if (!is_mesh && !py::isinstance<MeshIndex>(model)) {
-        throw py::type_error("model: must be a proxima.Mesh, Index or TouchScene, is a " +
-                             type_name(model));
-    }
-    const MeshIndex index =
-        is_mesh ? run(py::none(), Duration::lengthy,
-                      [&](Progress* watched) {
-                          return build_mesh_index(model.cast<const TriangleMesh&>(),
-                                                  {.execution = {.progress = watched}});
-                      })
-                : model.cast<const MeshIndex&>();
+    const MeshIndex index = index_of(model, "a proxima.Mesh, Index or TouchScene");
     const WorkspaceMap map = map_of(bounds_of(index), limits, units_per_metre, center);
     return std::make_unique<SharedRenderer>(
         nullptr, run(py::none(), Duration::lengthy,

@@ -76,13 +76,7 @@ Result<Replayed> touch_again(const RecordingSettings& settings, const MeshIndex&
 
 Replayed of_model(const RecordingSettings& settings, const py::object& model)
 {
-    const bool is_mesh = py::isinstance<TriangleMesh>(model);
-    if (!is_mesh && !py::isinstance<MeshIndex>(model))
-        refuse("model", "must be a proxima.Mesh or Index, is a " + type_name(model));
-    const MeshIndex index = run(py::none(), Duration::lengthy, [&](Progress*) {
-        return is_mesh ? build_mesh_index(model.cast<const TriangleMesh&>())
-                       : Result<MeshIndex>(model.cast<const MeshIndex&>());
-    });
+    const MeshIndex index = index_of(model, "a proxima.Mesh or Index");
     if (index.mesh_fingerprint() != settings.mesh_fingerprint) refuse_model("model");
     return run(py::none(), Duration::lengthy,
                [&](Progress*) { return touch_again(settings, index); });
@@ -97,12 +91,13 @@ Replayed of_scene(const RecordingSettings& settings, const py::object& models)
     std::vector<TouchBody> bodies;
     for (const py::handle model : models) {
         const ScriptedObject& object = settings.objects[bodies.size()];
-        bodies.push_back(body_of(py::reinterpret_borrow<py::object>(model),
-                                 {.material = object.material,
-                                  .texture = object.texture,
-                                  .shading = settings.render.shading}));
-        if (mesh_fingerprint(bodies.back().mesh()) != object.mesh_fingerprint)
-            refuse_model("model " + std::to_string(bodies.size() - 1));
+        const MeshIndex index =
+            index_of(py::reinterpret_borrow<py::object>(model), "a proxima.Mesh or Index");
+        if (index.mesh_fingerprint() != object.mesh_fingerprint)
+            refuse_model("model " + std::to_string(bodies.size()));
+        bodies.push_back(body_of(index, {.material = object.material,
+                                         .texture = object.texture,
+                                         .shading = settings.render.shading}));
     }
     Replayed replayed;
     replayed.scene = value_of(ScriptedScene::make(bodies, settings.objects, settings.room));

@@ -45,7 +45,8 @@ std::uint32_t add(SharedScene& self, const py::object& model, const py::object& 
                   const py::object& material, const py::object& texture, bool shading)
 {
     const RigidTransform where = pose_of(pose);
-    const TouchBody body = body_of(model, body_options(material, texture, shading));
+    const TouchBody body = body_of(index_of(model, "a proxima.Mesh or Index"),
+                                   body_options(material, texture, shading));
     if (self.touched) refuse("scene", "add all objects before the first TouchRenderer is made");
     const ObjectId object = value_of(self.scene.add(body, where));
     self.bodies.push_back(body);
@@ -66,7 +67,8 @@ void move(SharedScene& self, std::int64_t object, const py::object& pose, double
 void exchange(SharedScene& self, std::int64_t object, const py::object& model,
               const py::object& material, const py::object& texture, bool shading)
 {
-    const TouchBody body = body_of(model, body_options(material, texture, shading));
+    const TouchBody body = body_of(index_of(model, "a proxima.Mesh or Index"),
+                                   body_options(material, texture, shading));
     const ObjectId id = object_numbered(self, object);
     value_of(self.scene.exchange(id, body));
     self.bodies[to_index(id)] = body;
@@ -148,18 +150,25 @@ std::optional<SurfaceTexture> texture_of(const py::object& texture)
     return made;
 }
 
-TouchBody body_of(const py::object& model, const TouchBodyOptions& options)
+MeshIndex index_of(const py::object& model, const char* wanted)
 {
-    const bool is_mesh = py::isinstance<TriangleMesh>(model);
-    if (!is_mesh && !py::isinstance<MeshIndex>(model)) {
-        throw py::type_error("model: must be a proxima.Mesh or a proxima.Index, is a " +
+    if (py::isinstance<MeshIndex>(model)) return model.cast<const MeshIndex&>();
+    if (!py::isinstance<TriangleMesh>(model)) {
+        throw py::type_error(std::string("model: must be ") + wanted + ", is a " +
                              type_name(model));
     }
+    const auto& mesh = model.cast<const TriangleMesh&>();
+    return run(py::none(), Duration::lengthy, [&](Progress* watched) {
+        return build_mesh_index(mesh, {.execution = {.progress = watched}});
+    });
+}
+
+TouchBody body_of(const MeshIndex& index, const TouchBodyOptions& options)
+{
     return run(py::none(), Duration::lengthy, [&](Progress* watched) {
         TouchBodyOptions own = options;
         own.execution.progress = watched;
-        return is_mesh ? build_touch_body(model.cast<const TriangleMesh&>(), own)
-                       : build_touch_body(model.cast<const MeshIndex&>(), own);
+        return build_touch_body(index, own);
     });
 }
 

@@ -424,7 +424,7 @@ def test_scenes_are_whole_before_they_are_touched(wall):
         scene.add(wall)
     with pytest.raises(TypeError, match="model: must be a proxima.Mesh, Index or TouchScene, is a list"):
         proxima.TouchRenderer([])
-    with pytest.raises(TypeError, match="model: must be a proxima.Mesh or a proxima.Index, is a int"):
+    with pytest.raises(TypeError, match="model: must be a proxima.Mesh or Index, is a int"):
         scene.add(3)
     with pytest.raises(proxima.InvalidInput, match="deform|vertices|positions"):
         scene.deform(0, wall.vertices[1:])
