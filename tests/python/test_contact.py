@@ -124,6 +124,7 @@ def test_refit_answers_as_a_new_index(tmp_path, mesh, points, lists):
 def test_refit_refuses(mesh, index):
     other = proxima.Topology(proxima.Mesh(mesh.vertices, mesh.faces[::-1]))
     for vertices, topology, says in ((mesh.vertices[1:], None, "vertices: must be as many as the index has, 288, are 287"),
-                                     (mesh.vertices * np.nan, None, "NaN|finite"), (mesh.vertices, other, "the index is of other triangles")):
+                                     (mesh.vertices * np.nan, None, "NaN|finite"),
+                                     (mesh.vertices, other, "the index is of other triangles")):
         with pytest.raises(proxima.InvalidInput, match=says):
             index.refit(vertices, topology=topology)

@@ -54,7 +54,8 @@ OFFERED = {
                    "Ray.origin Ray.direction Ray.t_min Ray.t_max": "Index.cast"},
     "haptic_renderer.h": {
         "make_haptic_renderer fit_workspace RenderOptions.force RenderOptions.proxy_radius RenderOptions.static_friction "
-        "RenderOptions.dynamic_friction RenderOptions.guard RenderOptions.shading RenderOptions.texture ForceOptions.stiffness ForceOptions.damping": "TouchRenderer",
+        "RenderOptions.dynamic_friction RenderOptions.guard RenderOptions.shading RenderOptions.texture "
+        "ForceOptions.stiffness ForceOptions.damping": "TouchRenderer",
         "HapticRenderer.tick": "TouchRenderer.step", "HapticRenderer.reset": "TouchRenderer.reset",
         "HapticRenderer.options": "TouchRenderer.options", "WorkspaceMap.units_per_metre": "TouchRenderer.units_per_metre",
         "WorkspaceMap.center HapticRenderer.map": "TouchRenderer.center", "RenderTick.force": "Touch.force",
@@ -277,13 +278,15 @@ PYTHONS_OWN = {
     "PairLists.b Hits.t Hits.triangle Hits.u Hits.v": "columns of answers",
     "Hits.hit Pairs.intersecting PairLists.intersecting": "made of the columns",
     "Closest ClosestOne Hits Pairs Distances Leaves SumDistances Report Finding Repair SelfIntersections "
-    "Containments Contour CellsOnRays CellsOnRays.first Material Texture DeviceLimits Touch Contacts Contour.ids_b SelfIntersections.b": "tuples of columns",
+    "Containments Contour CellsOnRays CellsOnRays.first Material Texture DeviceLimits Touch Contacts "
+    "Contour.ids_b SelfIntersections.b": "tuples of columns",
     "ClosestOne.distance ClosestOne.point ClosestOne.triangle ClosestOne.feature_kind ClosestOne.feature ClosestOne.barycentric":
     "named as the columns of Closest",
     "Replay Replay.touch Replay.seconds Replay.position Replay.velocity Replay.force Replay.differences Replay.tick_seconds "
     "Replay.units_per_metre Replay.center TouchRenderer.replay": "sessions of `proxima touch`, which C++ has no public reader of",
     "TouchScene": "its bounds are the constructor's",
-    "FEATURE_KINDS CELL_KINDS INSIDE_METHODS CONTAINMENTS HOLDS TOUCH_FAULTS": "names of numbers", "InvalidInput FileMissing FileNotWritable LimitExceeded": "Error.code as types",
+    "FEATURE_KINDS CELL_KINDS INSIDE_METHODS CONTAINMENTS HOLDS TOUCH_FAULTS": "names of numbers",
+    "InvalidInput FileMissing FileNotWritable LimitExceeded": "Error.code as types",
     "__version__": "", "MinkowskiSum": "made by minkowski_sum()",
 }
 ANSWERS = ("count", "index")  # what tuples have of their own

@@ -241,7 +241,8 @@ def test_replays_a_scene(tmp_path):
     replay = proxima.TouchRenderer.replay(tmp_path / "a.pxt", models)
     assert replay.differences == 0 and replay.touch.force.tobytes() == replay.force.tobytes()
     assert (np.linalg.norm(replay.force, axis=1) > 0.1).any()
-    for models, says in ((models[::-1], "model 0: is not the one that was recorded"), (models[:1], "model: must be a list of the scene's 2"),
+    for models, says in ((models[::-1], "model 0: is not the one that was recorded"),
+                         (models[:1], "model: must be a list of the scene's 2"),
                          (models[0], "model: must be a list of the scene's 2")):
         with pytest.raises(proxima.InvalidInput, match=says):
             proxima.TouchRenderer.replay(tmp_path / "a.pxt", models)
@@ -388,7 +389,8 @@ TURNED = [[2, 0, 0, 0], [0, 1, 0, 0], [0, 0, 1, 0]]
     (lambda w: proxima.TouchScene(BOX[::-1]), "bounds: must be finite and not flat, the lowest corner first"),
     (lambda w: proxima.TouchScene([BOX[0], [1, 1, -1]]), "bounds: must be finite and not flat"),
     (lambda w: proxima.TouchScene([[-1e308] * 3, [1e308] * 3]), "bounds: must be finite and not flat"),
-    (lambda w: proxima.TouchScene(BOX).add(w, np.zeros((2, 3, 4))), r"pose: must be one pose, of shape \(3, 4\) or \(4, 4\), has \(2, 3, 4\)"),
+    (lambda w: proxima.TouchScene(BOX).add(w, np.zeros((2, 3, 4))),
+     r"pose: must be one pose, of shape \(3, 4\) or \(4, 4\), has \(2, 3, 4\)"),
     (lambda w: proxima.TouchScene(BOX).add(w, TURNED), "pose: "),
     (lambda w: proxima.TouchScene(BOX).add(w, [[1, 0, 0, 5], [0, 1, 0, 0], [0, 0, 1, 0]]), "bounds"),
     (lambda w: proxima.TouchScene(BOX).add(w, material=(1, 2)), "material: must be a Material"),
