@@ -1,12 +1,14 @@
 // The program of docs/tutorial.md, which shows its parts one by one.
-#include <array>
 #include <cstdio>
+#include <exception>
 #include <proxima/proxima.h>
 #include <vector>
 
 using namespace proxima;
 
-int main()
+namespace {
+
+int tutorial()
 {
     const TriangleMesh mesh = sample_mesh("torus:100x50").value(); // yours: read_mesh("part.stl")
     const MeshIndex index = with_signs(build_mesh_index(mesh).value()).value();
@@ -54,4 +56,17 @@ int main()
     }
     std::printf("%.3f N, held back at height %.3f\n", renderer.last().force.z(),
                 renderer.last().proxy.z());
+    return 0;
+}
+
+} // namespace
+
+int main()
+{
+    try {
+        return tutorial();
+    } catch (const std::exception& error) { // of a value() that is not there
+        std::fprintf(stderr, "%s\n", error.what());
+        return 1;
+    }
 }

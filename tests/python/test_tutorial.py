@@ -32,7 +32,7 @@ def test_python_prints_what_the_page_says(tmp_path):
 
 def test_the_program_in_cpp_is_the_page_s():
     source = (ROOT / "examples/tutorial.cpp").read_text()
-    body = re.search(r"int main\(\)\n\{\n(.*)\n\}\n", source, re.DOTALL)[1]
+    body = re.search(r"int tutorial\(\)\n\{\n(.*?)\n    return 0;\n\}\n", source, re.DOTALL)[1]
     assert textwrap.dedent(body) == "\n".join(blocks("cpp")).rstrip()
 
 
