@@ -20,7 +20,7 @@ void set_root(OctreeOptions& options, const py::object& root)
     if (!py::isinstance<py::str>(root)) {
         const PointsArgument corners(root, "root");
         if (corners.size() != 2)
-            refuse("root", "must be \"cube\", \"box\", or lowest and highest corner, (2, 3)");
+            refuse("root", R"(must be "cube", "box", or lowest and highest corner, (2, 3))");
         options.root = OctreeFrame{corners.points()[0], corners.points()[1] - corners.points()[0]};
         return;
     }
