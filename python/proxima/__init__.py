@@ -13,14 +13,19 @@ Ids of triangles, vertices and edges are int32, -1 for none. Lengths are in the 
 float64 in any memory order. Answers are the same for every number of threads and every instruction set.
 """
 from ._core import (Cancelled, ClosestOne, Error, FileMissing, FileNotWritable, Index, InvalidInput, LimitExceeded, Mesh,
-                    MinkowskiSum, Octree, Polyhedron, Topology, __version__, minkowski_sum, orthographic, perspective, separation)
-from ._results import (CELL_KINDS, FEATURE_KINDS, SIGN_METHODS, Closest, Distances, Facets, HitLists, Hits, Leaves,
-                       Neighbours, PairLists, Pairs, Patches, SumDistances)
+                    MinkowskiSum, Octree, Polyhedron, Topology, TouchRenderer, TouchScene, __version__, device_limits,
+                    minkowski_sum, orthographic, perspective, separation)
+from ._results import (CELL_KINDS, CONTAINMENTS, FEATURE_KINDS, HOLDS, INSIDE_METHODS, SIGN_METHODS, TOUCH_FAULTS, CellsOnRays,
+                       Closest, Contacts, Containments, Contour, DeviceLimits, Distances, Facets, Finding, HitLists, Hits, Leaves,
+                       Material, Neighbours, PairLists, Pairs, Patches, Repair, Replay, Report, SelfIntersections, SumDistances,
+                       Texture, Touch)
 
 __all__ = [
     "Mesh", "Index", "Topology", "Octree", "Polyhedron", "MinkowskiSum", "minkowski_sum", "separation", "perspective", "orthographic",
-    "Closest", "ClosestOne", "Hits", "HitLists", "Pairs", "PairLists", "Distances", "Neighbours", "Patches", "Leaves", "Facets",
-    "SumDistances", "FEATURE_KINDS", "SIGN_METHODS", "CELL_KINDS",
+    "TouchScene", "TouchRenderer", "Material", "Texture", "DeviceLimits", "device_limits",
+    "Closest", "ClosestOne", "Hits", "HitLists", "Pairs", "PairLists", "SelfIntersections", "Containments", "Contour", "Distances",
+    "Neighbours", "Patches", "Leaves", "CellsOnRays", "Facets", "SumDistances", "Report", "Finding", "Repair", "Touch", "Contacts",
+    "Replay", "FEATURE_KINDS", "SIGN_METHODS", "CELL_KINDS", "INSIDE_METHODS", "CONTAINMENTS", "HOLDS", "TOUCH_FAULTS",
     "Error", "InvalidInput", "FileMissing", "FileNotWritable", "LimitExceeded", "Cancelled", "__version__",
 ]
 for _name in __all__:

@@ -6,6 +6,10 @@ from collections import namedtuple
 
 FEATURE_KINDS = ("vertex", "edge", "face")  # of Closest.feature_kind
 SIGN_METHODS = ("on_surface", "pseudonormal", "winding_number")  # of Index.signed_distance(method=True)
+INSIDE_METHODS = ("crossings", "parity", "winding_number")  # of Containments.method
+CONTAINMENTS = ("none", "a_in_b", "b_in_a")  # of Containments.containment
+HOLDS = ("free", "sliding", "sticking")  # of Touch.hold
+TOUCH_FAULTS = ("none", "not_finite", "jumped")  # of Touch.fault
 CELL_KINDS = ("outer", "inner", "boundary", "unclassified")  # of Leaves.kind
 
 
@@ -15,8 +19,8 @@ def _represent(self):
     return f"<proxima.{type(self).__name__}: {columns}>"
 
 
-def _result(name, doc, **columns):
-    kind = namedtuple(name, columns, module="proxima")
+def _result(name, doc, _defaults=(), **columns):
+    kind = namedtuple(name, columns, defaults=_defaults, module="proxima")
     kind.__doc__ = doc
     for column, text in columns.items():
         getattr(kind, column).__doc__ = text
@@ -57,6 +61,26 @@ PairLists = _result(
 PairLists.intersecting = property(lambda self: self.first[1:] > self.first[:-1],
                                   doc="(n,) bool: for which poses the meshes meet")
 
+SelfIntersections = _result(
+    "SelfIntersections", "Triangles of one mesh that meet in more than what they share, by a, then b.",
+    a="(m,) int32", b="(m,) int32: larger than a",
+    complete="bool: False where there are more than max_pairs")
+
+Containments = _result(
+    "Containments", "Which mesh lies inside the other, for n poses; single values where one pose was given.",
+    containment="(n,) uint8: 0 neither, 1 the index's mesh in the other, 2 the other in it",
+    method="(n,) uint8: how the inside was told: 0 crossings, exact; 1 parity, exact; 2 winding_number, of open meshes")
+
+Contour = _result(
+    "Contour", "The n lines along which two surfaces meet.",
+    first="(n + 1,) int64: the points of line i are rows first[i] to first[i + 1] - 1",
+    closed="(n,) bool: the line goes on from its last point to its first",
+    point="(m, 3) float64: points of both surfaces",
+    kind_a="(m,) uint8: 0 vertex, 1 edge, 2 face of the index's mesh that holds the point",
+    ids_a="(m, 2) int32: the vertex twice, the edge's vertices, or the triangle twice",
+    kind_b="(m,) uint8: of the other mesh", ids_b="(m, 2) int32: of the other mesh",
+    length="float: of all lines, in the mesh's unit")
+
 Distances = _result(
     "Distances", "Distances of two surfaces, for n poses; single values where one pose was given.",
     distance="(n,) float64: 0 where they touch, inf where nothing was found",
@@ -64,6 +88,59 @@ Distances = _result(
     point_b="(n, 3) float64: that of the other, moved",
     triangle_a="(n,) int32, -1 where nothing was found",
     triangle_b="(n,) int32, -1 where nothing was found")
+
+Finding = _result(
+    "Finding", "One kind of flaw of a mesh.",
+    kind='str: "boundary_edges", "duplicate_vertices", ...',
+    severity='str: "note" no query is worse off, "warning" some answers need care, "error" builders refuse the mesh',
+    element='str: what is counted: "mesh", "vertex", "edge", "triangle", or "component", given by its lowest triangle',
+    number="int: how many were found",
+    ids="(k,) int32: the lowest ones, ascending, at most max_ids; edges by first appearance in the faces",
+    positions="(k, 3) float64: vertex, middle of the edge or centroid of each of these",
+    meaning="str: what it is, and what it means for the queries")
+
+Report = _result(
+    "Report", "What is wrong with a mesh, and what to expect of queries. Print it for the text.",
+    vertices="int", triangles="int",
+    edges="int: distinct pairs of vertices that a triangle joins",
+    components="int: sets of triangles connected across edges",
+    boundary_loops="int: sets of boundary edges connected by vertices",
+    bounds="(2, 3) float64: of the finite positions that triangles use",
+    area="float, in the mesh's unit squared",
+    min_edge_length="float, in the mesh's unit", max_edge_length="float, in the mesh's unit",
+    closed="bool: every edge has an even number of triangles, so that the surface encloses something",
+    consistently_oriented="bool: at every such edge half of the triangles run each way",
+    closed_if_welded="bool, of open meshes with duplicate vertices: whether welding closes them; None of others",
+    orientation='str: "outward", "inward", "mixed", or "undefined" where it is open or not consistent',
+    volume="float, negative where it faces inward; None of open, inconsistent or infinite meshes",
+    euler_characteristic="int",
+    genus="int: handles of all components; None where not closed, manifold and consistent",
+    findings="tuple of Finding: only what was found",
+    outlook='dict: query to ("works", "with_care" or "refused", reason)')
+
+
+def _describe(report):
+    lines = [f"{report.vertices} vertices, {report.triangles} triangles, {report.components} components: "
+             f"{'closed' if report.closed else 'open'}, orientation {report.orientation}"]
+    lines += [f"{finding.severity}: {finding.number} {finding.kind}: {finding.meaning}" for finding in report.findings]
+    lines += [f"{query} {outlook}: {reason}" for query, (outlook, reason) in report.outlook.items()]
+    return "\n".join(lines)
+
+
+Report.__str__ = _describe
+
+Repair = _result(
+    "Repair", "A repaired mesh, and where its parts come from. Triangles and vertices keep their order.",
+    mesh="Mesh",
+    triangle="(F,) int32: the id that each triangle had, ascending",
+    vertex="(V,) int32: the lowest id of those that became each vertex and have its position, ascending",
+    turned="(F,) bool: whether the triangle's last corners were swapped",
+    steps="dict: step to how many elements it changed, in the order in which they were done; without those switched off",
+    pieces="int: sets of triangles connected across edges of exactly two",
+    closed_pieces="int",
+    cavities="int: closed pieces inside others",
+    unorientable_pieces="int",
+    unorientable_edges="int: their edges whose triangles do not match")
 
 Neighbours = _result(
     "Neighbours", "The triangles near n points, those of each ascending.",
@@ -83,6 +160,15 @@ Leaves = _result(
     first=_FIRST,
     triangle="(m,) int32: the triangles that touch each leaf, ascending")
 
+CellsOnRays = _result(
+    "CellsOnRays", "The leaves of an octree along n rays, those of each in order.",
+    first=_FIRST,
+    leaf="(m,) int32: rows of Octree.leaves()",
+    enter="(m,) float64: t, in units of the direction",
+    exit="(m,) float64: t; the next leaf's enter",
+    chord="(m,) float64: the length of the ray in the leaf, in the mesh's unit",
+    penetration="(m,) float64: 1 through the middle of the leaf, 0 along its border")
+
 Facets = _result(
     "Facets", "The n facets of a polyhedron.",
     first=_FIRST, vertex="(m,) int32: loops of vertices, counter-clockwise seen from outside")
@@ -93,3 +179,50 @@ SumDistances = _result(
     nearest="(n, 3) float64: the nearest point of the surface",
     direction="(n, 3) float64, of length 1: outward",
     facet="(n,) int32: that holds the nearest point, -1 for a flat sum")
+
+Material = _result(
+    "Material", "What an object feels like; a device's limits bound it.", (500.0, 1.0, 0.4, 0.3),
+    stiffness="float: N/m", damping="float: N s/m", static_friction="float", dynamic_friction="float: at most static_friction")
+
+Texture = _result(
+    "Texture", "What a surface feels like beside its Material. Nothing by default; a device's limits bound it.",
+    ("none", 0.0, 0.004, (1.0, 0.0, 0.0), 0.0, 0.0, 0.0, 0.0, 150.0, 80.0),
+    bump='str: "none", "grating" along direction, "dimples" or "noise": grooves below the triangles',
+    amplitude="float: m of the device, half the depth of a groove", wavelength="float: m of the device",
+    direction="(3,) floats, of a grating, in the object's frame",
+    viscosity="float: N s/m, against motion along the surface",
+    stick_slip_stiffness="float: N/m, of a spring along the surface that lets go", stick_slip_force="float: N, at which it lets go",
+    tap_gain="float: N s/m, of a vibration after an impact", tap_frequency="float: Hz", tap_decay="float: 1/s")
+
+DeviceLimits = _result(
+    "DeviceLimits", "What a haptic device can do.", (3.3, 400.0, 4.0, 0.075),
+    max_force="float: N", max_stiffness="float: N/m", max_damping="float: N s/m",
+    workspace_radius="float: m, of a ball that the tip can reach")
+
+Contacts = _result(
+    "Contacts", "Points that held the proxy back, at most three a tick; in the model's units.",
+    first="(n + 1,) int64: those of tick i are rows first[i] to first[i + 1] - 1",
+    object="(m,) int32: of a scene; 0 where there is none",
+    triangle="(m,) int32: of the object, the lowest of those touched there",
+    position="(m, 3) float64", normal="(m, 3) float64, of length 1: from the surface to the proxy",
+    pressure="(m,) float64: its part of the spring's stretch")
+
+Touch = _result(
+    "Touch", "What was felt in n ticks; rows of one tick where one position was given.",
+    force="(n, 3) float64: N, what the device gets",
+    proxy="(n, 3) float64: where the finger would be if it could not enter, in the model's units",
+    anchor="(n, 3) float64: what the spring pulls the device to; the device where nothing is touched",
+    normal="(n, 3) float64: of all contacts, of length 1; 0 where nothing is touched",
+    depth="(n,) float64: of the device below the surface, in the model's units",
+    hold="(n,) uint8: 0 free, 1 sliding, 2 sticking",
+    placed="(n,) bool: False where the device began inside: nothing is touched until it is out",
+    fault="(n,) uint8: 0 none, 1 a position that is not finite, 2 a jump that no hand makes",
+    contacts="Contacts")
+
+Replay = _result(
+    "Replay", "A recorded session, felt again.",
+    touch="Touch: what was felt now", seconds="(n,) float64: since the first tick",
+    position="(n, 3) float64: of the device, m", velocity="(n, 3) float64: m/s",
+    force="(n, 3) float64: N, as recorded",
+    differences="int: ticks whose force or proxy has other bits than recorded",
+    tick_seconds="float", units_per_metre="float", center="(3,) float64: of the model, at the middle of the workspace")

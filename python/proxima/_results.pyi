@@ -1,10 +1,16 @@
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, Optional
 
 from numpy import bool_, float64, int32, int64, uint8, uint64
 from numpy.typing import NDArray
 
+from ._core import Mesh
+
 FEATURE_KINDS: tuple[str, str, str]
 SIGN_METHODS: tuple[str, str, str]
+INSIDE_METHODS: tuple[str, str, str]
+CONTAINMENTS: tuple[str, str, str]
+HOLDS: tuple[str, str, str]
+TOUCH_FAULTS: tuple[str, str, str]
 CELL_KINDS: tuple[str, str, str, str]
 
 class Closest(NamedTuple):
@@ -43,6 +49,26 @@ class PairLists(NamedTuple):
     @property
     def intersecting(self) -> NDArray[bool_]: ...
 
+class SelfIntersections(NamedTuple):
+    a: NDArray[int32]
+    b: NDArray[int32]
+    complete: bool
+
+# One pose gives single values, several give arrays.
+class Containments(NamedTuple):
+    containment: Any
+    method: Any
+
+class Contour(NamedTuple):
+    first: NDArray[int64]
+    closed: NDArray[bool_]
+    point: NDArray[float64]
+    kind_a: NDArray[uint8]
+    ids_a: NDArray[int32]
+    kind_b: NDArray[uint8]
+    ids_b: NDArray[int32]
+    length: float
+
 # One pose gives single values, several give arrays.
 class Distances(NamedTuple):
     distance: Any
@@ -50,6 +76,47 @@ class Distances(NamedTuple):
     point_b: NDArray[float64]
     triangle_a: Any
     triangle_b: Any
+
+class Finding(NamedTuple):
+    kind: str
+    severity: str
+    element: str
+    number: int
+    ids: NDArray[int32]
+    positions: NDArray[float64]
+    meaning: str
+
+class Report(NamedTuple):
+    vertices: int
+    triangles: int
+    edges: int
+    components: int
+    boundary_loops: int
+    bounds: NDArray[float64]
+    area: float
+    min_edge_length: float
+    max_edge_length: float
+    closed: bool
+    consistently_oriented: bool
+    closed_if_welded: Optional[bool]
+    orientation: str
+    volume: Optional[float]
+    euler_characteristic: int
+    genus: Optional[int]
+    findings: tuple[Finding, ...]
+    outlook: dict[str, tuple[str, str]]
+
+class Repair(NamedTuple):
+    mesh: Mesh
+    triangle: NDArray[int32]
+    vertex: NDArray[int32]
+    turned: NDArray[bool_]
+    steps: dict[str, int]
+    pieces: int
+    closed_pieces: int
+    cavities: int
+    unorientable_pieces: int
+    unorientable_edges: int
 
 class Neighbours(NamedTuple):
     first: NDArray[int64]
@@ -69,6 +136,14 @@ class Leaves(NamedTuple):
     first: NDArray[int64]
     triangle: NDArray[int32]
 
+class CellsOnRays(NamedTuple):
+    first: NDArray[int64]
+    leaf: NDArray[int32]
+    enter: NDArray[float64]
+    exit: NDArray[float64]
+    chord: NDArray[float64]
+    penetration: NDArray[float64]
+
 class Facets(NamedTuple):
     first: NDArray[int64]
     vertex: NDArray[int32]
@@ -78,3 +153,58 @@ class SumDistances(NamedTuple):
     nearest: NDArray[float64]
     direction: NDArray[float64]
     facet: NDArray[int32]
+
+class Material(NamedTuple):
+    stiffness: float = 500.0
+    damping: float = 1.0
+    static_friction: float = 0.4
+    dynamic_friction: float = 0.3
+
+class Texture(NamedTuple):
+    bump: str = "none"
+    amplitude: float = 0.0
+    wavelength: float = 0.004
+    direction: tuple[float, float, float] = (1.0, 0.0, 0.0)
+    viscosity: float = 0.0
+    stick_slip_stiffness: float = 0.0
+    stick_slip_force: float = 0.0
+    tap_gain: float = 0.0
+    tap_frequency: float = 150.0
+    tap_decay: float = 80.0
+
+class DeviceLimits(NamedTuple):
+    max_force: float = 3.3
+    max_stiffness: float = 400.0
+    max_damping: float = 4.0
+    workspace_radius: float = 0.075
+
+class Contacts(NamedTuple):
+    first: NDArray[int64]
+    object: NDArray[int32]
+    triangle: NDArray[int32]
+    position: NDArray[float64]
+    normal: NDArray[float64]
+    pressure: NDArray[float64]
+
+# One position gives single values, several give arrays.
+class Touch(NamedTuple):
+    force: NDArray[float64]
+    proxy: NDArray[float64]
+    anchor: NDArray[float64]
+    normal: NDArray[float64]
+    depth: Any
+    hold: Any
+    placed: Any
+    fault: Any
+    contacts: Contacts
+
+class Replay(NamedTuple):
+    touch: Touch
+    seconds: NDArray[float64]
+    position: NDArray[float64]
+    velocity: NDArray[float64]
+    force: NDArray[float64]
+    differences: int
+    tick_seconds: float
+    units_per_metre: float
+    center: NDArray[float64]

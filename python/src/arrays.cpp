@@ -1,5 +1,6 @@
 #include "arrays.h"
 
+#include <algorithm>
 #include <limits>
 
 namespace proxima::python {
@@ -55,6 +56,27 @@ void copy_corners(const py::array& array, const char* name, std::vector<Triangle
     }
 }
 
+bool holds_poses(const py::array& array)
+{
+    const auto dimensions = array.ndim();
+    return dimensions >= 2 && array.shape(dimensions - 1) == 4 &&
+           (array.shape(dimensions - 2) == 3 || array.shape(dimensions - 2) == 4);
+}
+
+/// Of 12 numbers, or 16.
+RigidTransform pose_at(std::span<const double> matrix, const std::string& name)
+{
+    const bool whole = matrix.size() == 16;
+    if (whole && (matrix[12] != 0 || matrix[13] != 0 || matrix[14] != 0 || matrix[15] != 1))
+        refuse(name, "the last row must be 0 0 0 1");
+    auto pose = make_rigid_transform(matrix.first<12>());
+    if (!pose) {
+        pose.error().where = name;
+        throw Failure(pose.error());
+    }
+    return *pose;
+}
+
 } // namespace
 
 py::array_t<double> doubles_of(const py::handle& object, const char* name)
@@ -97,33 +119,50 @@ std::vector<TriangleCorners> corners_of(const py::handle& object, const char* na
     return corners;
 }
 
+std::vector<std::int64_t> integers_of(const py::handle& object, const char* name,
+                                      const char* wanted)
+{
+    const auto given = py::array::ensure(object);
+    PyErr_Clear();
+    const bool whole = given && (given.dtype().kind() == 'i' || given.dtype().kind() == 'u' ||
+                                 given.size() == 0); // an empty list has dtype float64
+    if (!whole || given.ndim() > 1) refuse(name, std::string("must be ") + wanted);
+    const py::array_t<std::int64_t, py::array::c_style | py::array::forcecast> array(given);
+    return {array.data(), array.data() + array.size()};
+}
+
 Poses poses_of(const py::object& object)
 {
     if (object.is_none()) return {{RigidTransform{}}, true};
     const py::array_t<double> array = doubles_of(object, "poses");
-    const auto dimensions = array.ndim();
-    if ((dimensions != 2 && dimensions != 3) || array.shape(dimensions - 1) != 4 ||
-        (array.shape(dimensions - 2) != 3 && array.shape(dimensions - 2) != 4)) {
+    if (!holds_poses(array) || array.ndim() > 3) {
         refuse("poses",
                "must have shape (3, 4), (4, 4), (n, 3, 4) or (n, 4, 4), has " + shape_text(array));
     }
-    const auto numbers = static_cast<std::size_t>(4 * array.shape(dimensions - 2));
+    const auto numbers = static_cast<std::size_t>(4 * array.shape(array.ndim() - 2));
     const auto count = static_cast<std::size_t>(array.size()) / numbers;
-    Poses poses{{}, dimensions == 2};
+    Poses poses{{}, array.ndim() == 2};
     for (std::size_t i = 0; i < count; ++i) {
-        const double* const matrix = array.data() + i * numbers;
-        const std::string name = poses.single ? "poses" : "pose " + std::to_string(i);
-        const bool whole = numbers == 16;
-        if (whole && (matrix[12] != 0 || matrix[13] != 0 || matrix[14] != 0 || matrix[15] != 1))
-            refuse(name, "the last row must be 0 0 0 1");
-        auto pose = make_rigid_transform(std::span<const double, 12>(matrix, 12));
-        if (!pose) {
-            pose.error().where = name;
-            throw Failure(pose.error());
-        }
-        poses.poses.push_back(*pose);
+        poses.poses.push_back(pose_at({array.data() + i * numbers, numbers},
+                                      poses.single ? "poses" : "pose " + std::to_string(i)));
     }
     return poses;
+}
+
+RigidTransform pose_of(const py::object& object)
+{
+    if (object.is_none()) return {};
+    const py::array_t<double> array = doubles_of(object, "pose");
+    if (!holds_poses(array) || array.ndim() != 2)
+        refuse("pose", "must be one pose, of shape (3, 4) or (4, 4), has " + shape_text(array));
+    return pose_at({array.data(), static_cast<std::size_t>(array.size())}, "pose");
+}
+
+py::array rows_of(std::span<const Vec3> points)
+{
+    auto array = new_rows<double>(points.size(), 3);
+    std::ranges::copy(points, elements_of<Vec3>(array).begin());
+    return array;
 }
 
 py::array view_of(py::array array)

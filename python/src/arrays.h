@@ -39,6 +39,10 @@ private:
 /// Corner indices of shape (n, 3), of any integers.
 [[nodiscard]] std::vector<TriangleCorners> corners_of(const py::handle& object, const char* name);
 
+/// Integers of shape (n,), or a number. `wanted` says in the message what they must be.
+[[nodiscard]] std::vector<std::int64_t> integers_of(const py::handle& object, const char* name,
+                                                    const char* wanted = "integers of shape (n,)");
+
 /// Rigid poses, row-major (R | t).
 struct Poses {
     std::vector<RigidTransform> poses;
@@ -47,6 +51,9 @@ struct Poses {
 
 /// Of None (one that moves nothing), or an array of shape (3, 4), (4, 4), (n, 3, 4) or (n, 4, 4).
 [[nodiscard]] Poses poses_of(const py::object& object);
+
+/// One of these: None, or an array of shape (3, 4) or (4, 4).
+[[nodiscard]] RigidTransform pose_of(const py::object& object);
 
 /// An array without values.
 template <class T>
@@ -60,6 +67,9 @@ template <class T>
     return py::array_t<T>(
         std::vector{static_cast<py::ssize_t>(size), static_cast<py::ssize_t>(columns)});
 }
+
+/// Points as an array of shape (n, 3).
+[[nodiscard]] py::array rows_of(std::span<const Vec3> points);
 
 /// The elements of a C-ordered array as another type of the same layout.
 template <class As, class T>

@@ -1,5 +1,7 @@
+#include "arrays.h"
 #include "bindings.h"
 #include "index_methods.h"
+#include "mesh_topology.h"
 #include "pickled.h"
 #include "proxima/index_io.h"
 #include "proxima/mesh_index.h"
@@ -57,6 +59,37 @@ MeshIndex load(const std::filesystem::path& path, bool map, const py::object& pr
     return run(progress, Duration::lengthy, [&](Progress* watched) {
         return load_index(path, {.access = map ? FileAccess::map : FileAccess::read,
                                  .execution = {.progress = watched}});
+    });
+}
+
+MeshIndex refit(const MeshIndex& self, const py::object& vertices, const py::object& given,
+                int threads, const py::object& progress)
+{
+    const PointsArgument positions(vertices, "vertices");
+    if (positions.size() != self.vertex_count()) {
+        refuse("vertices", "must be as many as the index has, " +
+                               std::to_string(self.vertex_count()) + ", are " +
+                               std::to_string(positions.size()));
+    }
+    if (!given.is_none() && !py::isinstance<MeshTopology>(given))
+        throw py::type_error("topology: must be a proxima.Topology, is a " + type_name(given));
+    const Topology* const topology =
+        given.is_none() ? nullptr : &given.cast<const MeshTopology&>().topology;
+    const Threads thread_count = threads_of(threads);
+    return run(progress, Duration::lengthy, [&](Progress* watched) -> Result<MeshIndex> {
+        const Execution execution{.threads = thread_count, .progress = watched};
+        const auto before = mesh_of(self);
+        if (!before) return tl::unexpected(before.error());
+        const auto points = positions.points();
+        const auto triangles = before->triangles();
+        const auto mesh = make_triangle_mesh({points.begin(), points.end()},
+                                             {triangles.begin(), triangles.end()});
+        if (!mesh) return tl::unexpected(mesh.error());
+        if (topology != nullptr)
+            return refit_index(self, *mesh, *topology, {.execution = execution});
+        const auto built = build_topology(*mesh, {.execution = execution});
+        if (!built) return tl::unexpected(built.error());
+        return refit_index(self, *mesh, *built, {.execution = execution});
     });
 }
 
@@ -136,9 +169,23 @@ or InvalidInput for a file that is damaged or none of ours.)")
             },
             py::kw_only(), py::arg("threads") = 0, py::arg("progress") = py::none(),
             "The index with signs, which signed_distance needs; shares all else.")
+        .def(
+            "refit", &refit, py::arg("vertices"), py::kw_only(), py::arg("topology") = py::none(),
+            py::arg("threads") = 0, py::arg("progress") = py::none(),
+            R"(The index of the mesh with its vertices elsewhere, for bodies that bend: sooner than a new one.
+
+    vertices  (V, 3) floats, one for each vertex of the mesh, whose triangles stay
+    topology  the Topology of the mesh, to save building it in every call
+
+With lists where this one has some, without distances and signs. Answers are exact; queries are slower the farther
+neighbours moved apart. The index itself stays as it was. A refit with lists cannot be saved. Up to a microsecond per
+triangle. Raises InvalidInput for another number of vertices, NaN, another mesh's topology, and vertices outside of what
+lists were built for: then build anew.)")
         .def_property_readonly("triangle_count", &MeshIndex::triangle_count)
         .def_property_readonly("vertex_count", &MeshIndex::vertex_count)
         .def_property_readonly("edge_count", &MeshIndex::edge_count)
+        .def_property_readonly("fingerprint", &MeshIndex::mesh_fingerprint,
+                               "int: Mesh.fingerprint of the mesh that it was built from.")
         .def_property_readonly("nbytes", &MeshIndex::bytes,
                                "Bytes of all arrays, including those shared with other indexes.")
         .def_property_readonly("has_lists", &MeshIndex::has_lists)
@@ -163,6 +210,7 @@ or InvalidInput for a file that is damaged or none of ours.)")
     bind_rays(index);
     bind_views(module, index);
     bind_pairs(index);
+    bind_contact(index);
     bind_near(index);
 }
 

@@ -3,6 +3,7 @@
 
 #include "bindings.h"
 #include "proxima/mesh_index.h"
+#include "proxima/view_volume.h"
 #include "run.h"
 
 #include <cstddef>
@@ -17,10 +18,14 @@ inline constexpr std::size_t lengthy_batch = 4096;
     return queries < lengthy_batch ? Duration::brief : Duration::lengthy;
 }
 
+/// The volume of planes (n, 4).
+[[nodiscard]] ViewVolume volume_of(const py::object& planes);
+
 void bind_closest(py::class_<MeshIndex>& index);
 void bind_rays(py::class_<MeshIndex>& index);
 void bind_views(py::module_& module, py::class_<MeshIndex>& index);
 void bind_pairs(py::class_<MeshIndex>& index);
+void bind_contact(py::class_<MeshIndex>& index);
 void bind_near(py::class_<MeshIndex>& index);
 
 } // namespace proxima::python

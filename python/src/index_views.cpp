@@ -12,19 +12,6 @@ namespace {
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
 
-ViewVolume volume_of(const py::object& planes)
-{
-    const py::array_t<double> array = doubles_of(planes, "planes");
-    if (array.ndim() != 2 || array.shape(1) != 4)
-        refuse("planes", "must have shape (n, 4): normal and offset of each");
-    std::vector<ViewPlane> list;
-    for (py::ssize_t i = 0; i < array.shape(0); ++i) {
-        const double* const plane = array.data() + 4 * i;
-        list.push_back({Vec3(plane), plane[3]});
-    }
-    return value_of(make_view_volume(list));
-}
-
 py::array planes_of(const ViewVolume& volume)
 {
     auto array = new_rows<double>(volume.planes().size(), 4);
@@ -48,6 +35,19 @@ py::array visible(const MeshIndex& index, const py::object& planes, bool exact)
 }
 
 } // namespace
+
+ViewVolume volume_of(const py::object& planes)
+{
+    const py::array_t<double> array = doubles_of(planes, "planes");
+    if (array.ndim() != 2 || array.shape(1) != 4)
+        refuse("planes", "must have shape (n, 4): normal and offset of each");
+    std::vector<ViewPlane> list;
+    for (py::ssize_t i = 0; i < array.shape(0); ++i) {
+        const double* const plane = array.data() + 4 * i;
+        list.push_back({Vec3(plane), plane[3]});
+    }
+    return value_of(make_view_volume(list));
+}
 
 void bind_views(py::module_& module, py::class_<MeshIndex>& index)
 {

@@ -6,8 +6,10 @@
 #include "run.h"
 
 #include <filesystem>
-#include <memory>
+#include <optional>
+#include <pybind11/stl.h>
 #include <pybind11/stl/filesystem.h>
+#include <span>
 #include <string>
 
 namespace proxima::python {
@@ -21,17 +23,46 @@ TriangleMesh make_mesh(const py::object& vertices, const py::object& faces)
     return value_of(make_triangle_mesh({points.begin(), points.end()}, corners_of(faces, "faces")));
 }
 
-TriangleMesh read(const std::filesystem::path& path, const py::object& progress)
+Weld weld_of(std::optional<bool> weld)
+{
+    if (!weld) return Weld::by_format;
+    return *weld ? Weld::exact_positions : Weld::never;
+}
+
+TriangleMesh read(const std::filesystem::path& path, std::optional<bool> weld,
+                  const py::object& progress)
 {
     return run(progress, Duration::lengthy, [&](Progress* watched) {
-        return read_mesh(path, {.execution = {.progress = watched}});
+        return read_mesh(path, {.weld = weld_of(weld), .execution = {.progress = watched}});
     });
 }
 
-void write(const TriangleMesh& mesh, const std::filesystem::path& path, const py::object& progress)
+TriangleMesh from_bytes(const py::buffer& data, const std::string& format, std::optional<bool> weld,
+                        const py::object& progress)
+{
+    const auto known = format_of_path("data." + format);
+    if (!known) {
+        refuse("format", "must be one of " + known_mesh_extensions() + " without the dot, is \"" +
+                             format + "\"");
+    }
+    const py::buffer_info memory = data.request();
+    const auto size = static_cast<std::size_t>(memory.size * memory.itemsize);
+    if (!PyBuffer_IsContiguous(memory.view(), 'C')) refuse("data", "must be contiguous");
+    const std::span bytes(static_cast<const std::byte*>(memory.ptr), size);
+    return run(progress, Duration::lengthy, [&](Progress* watched) {
+        return read_mesh_from_memory(bytes, *known,
+                                     {.weld = weld_of(weld), .execution = {.progress = watched}});
+    });
+}
+
+void write(const TriangleMesh& mesh, const std::filesystem::path& path, bool ascii,
+           const py::object& progress)
 {
     run(progress, Duration::lengthy, [&](Progress* watched) {
-        return write_mesh(mesh, path, {.execution = {.progress = watched}});
+        return write_mesh(mesh, path,
+                          {.ply = ascii ? PlyEncoding::ascii : PlyEncoding::binary,
+                           .stl = ascii ? StlEncoding::ascii : StlEncoding::binary,
+                           .execution = {.progress = watched}});
     });
 }
 
@@ -77,8 +108,8 @@ std::string represent(const TriangleMesh& mesh)
 
 void bind_mesh(py::module_& module)
 {
-    py::class_<TriangleMesh>(module, "Mesh",
-                             R"(A triangle mesh. Immutable; any number of threads may use it.
+    py::class_<TriangleMesh> mesh(module, "Mesh",
+                                  R"(A triangle mesh. Immutable; any number of threads may use it.
 
 Mesh(vertices, faces)
 
@@ -86,15 +117,31 @@ Mesh(vertices, faces)
     faces     (F, 3) integers, indices into vertices, counter-clockwise seen from outside
 
 float32 or float64, any memory order; both arrays are copied. Raises InvalidInput where an index is out of
-range. NaN and infinite coordinates are refused when an Index or an Octree is built.)")
-        .def(py::init(&make_mesh), py::arg("vertices"), py::arg("faces"))
-        .def_static("read", &read, py::arg("path"), py::kw_only(), py::arg("progress") = py::none(),
+range. NaN and infinite coordinates are refused when an Index or an Octree is built.)");
+    mesh.def(py::init(&make_mesh), py::arg("vertices"), py::arg("faces"))
+        .def_static("read", &read, py::arg("path"), py::kw_only(), py::arg("weld") = py::none(),
+                    py::arg("progress") = py::none(),
                     R"(Reads OBJ, PLY, STL or OFF in float64; 3DS, glTF and GLB by assimp.
 
-Polygons become triangles; vertices and faces keep the order of the file. Raises FileMissing, or InvalidInput with file
-and line.)")
-        .def("write", &write, py::arg("path"), py::kw_only(), py::arg("progress") = py::none(),
-             "Writes OBJ, PLY, STL or OFF, told by the extension: whole or not at all.")
+Polygons become triangles; vertices and faces keep the order of the file.
+
+    weld  True: vertices at one position become one; False: never; None: for STL and 3DS, whose vertices repeat
+
+Raises FileMissing, or InvalidInput with file and line.)")
+        .def_static("from_bytes", &from_bytes, py::arg("data"), py::arg("format"), py::kw_only(),
+                    py::arg("weld") = py::none(), py::arg("progress") = py::none(),
+                    R"(Reads a file that is in memory: bytes, a memoryview, an array of uint8.
+
+    format  "obj", "ply", "stl", "off", "3ds", "gltf" or "glb"
+    weld    as in read()
+
+Raises InvalidInput with the line or byte. A glTF that refers to other files is refused.)")
+        .def("write", &write, py::arg("path"), py::kw_only(), py::arg("ascii") = false,
+             py::arg("progress") = py::none(),
+             R"(Writes OBJ, PLY, STL or OFF, told by the extension: whole or not at all.
+
+Positions read back to the same bits, except through binary STL, which is float32. PLY and STL are binary unless
+ascii=True.)")
         .def_static(
             "sample", &make_sample, py::arg("name"),
             R"(A built-in mesh: "cube", "octahedron", "sphere:STACKSxSLICES", "icosphere:N", "torus:NxM",
@@ -106,6 +153,9 @@ and line.)")
         .def_property_readonly(
             "bounds", &bounds_of,
             "(2, 3) float64: lowest and highest corner of the box of all triangles.")
+        .def_property_readonly("fingerprint", &mesh_fingerprint,
+                               "int: the same for the same positions and triangles in the same "
+                               "order. See Index.fingerprint.")
         .def("__repr__", &represent)
         .def("__copy__", [](const py::object& self) { return self; })
         .def("__deepcopy__", [](const py::object& self, const py::dict&) { return self; })
@@ -113,6 +163,7 @@ and line.)")
             return py::make_tuple(self.attr("__class__"),
                                   py::make_tuple(vertices_of(self), faces_of(self)));
         });
+    bind_mesh_repair(mesh);
 }
 
 } // namespace proxima::python

@@ -51,9 +51,7 @@ py::array half_spaces_of(const Body& body)
 
 py::array vertices_of(const ConvexPolyhedron& polyhedron)
 {
-    auto array = new_rows<double>(polyhedron.points().size(), 3);
-    std::ranges::copy(polyhedron.points(), elements_of<Vec3>(array).begin());
-    return array;
+    return rows_of(polyhedron.points());
 }
 
 py::array vertices_of_sum(const MinkowskiSum& sum)

@@ -14,27 +14,35 @@ namespace proxima::python {
 
 namespace {
 
-RootShape root_named(const std::string& name)
+/// Sets the root of an argument: "cube", "box", or a box.
+void set_root(OctreeOptions& options, const py::object& root)
 {
-    if (name == "cube") return RootShape::cube;
-    if (name == "box") return RootShape::box;
-    refuse("root", R"(must be "cube" or "box", is ")" + name + "\"");
+    if (!py::isinstance<py::str>(root)) {
+        const PointsArgument corners(root, "root");
+        if (corners.size() != 2)
+            refuse("root", R"(must be "cube", "box", or lowest and highest corner, (2, 3))");
+        options.root = OctreeFrame{corners.points()[0], corners.points()[1] - corners.points()[0]};
+        return;
+    }
+    const auto name = root.cast<std::string>();
+    if (name != "cube" && name != "box")
+        refuse("root", R"(must be "cube", "box" or a box, is ")" + name + "\"");
+    options.root_shape = name == "cube" ? RootShape::cube : RootShape::box;
 }
 
 Octree build(const TriangleMesh& mesh, int max_depth, std::uint32_t threshold, bool uniform,
-             const std::string& root, bool classify, int threads, const py::object& progress)
+             const py::object& root, bool classify, int threads, const py::object& progress)
 {
-    const OctreeOptions options{
-        .max_depth = max_depth,
-        .threshold = threshold,
-        .subdivision = uniform ? Subdivision::uniform : Subdivision::adaptive,
-        .root_shape = root_named(root),
-        .classification = classify ? Classification::inner_outer : Classification::none,
-        .execution = {.threads = threads_of(threads)}};
+    OctreeOptions options{.max_depth = max_depth,
+                          .threshold = threshold,
+                          .subdivision = uniform ? Subdivision::uniform : Subdivision::adaptive,
+                          .classification =
+                              classify ? Classification::inner_outer : Classification::none,
+                          .execution = {.threads = threads_of(threads)}};
+    set_root(options, root);
     return run(progress, Duration::lengthy, [&](Progress* watched) {
-        OctreeOptions own = options;
-        own.execution.progress = watched;
-        return build_octree(mesh, own);
+        options.execution.progress = watched;
+        return build_octree(mesh, options);
     });
 }
 
@@ -137,18 +145,21 @@ std::string represent(const Octree& octree)
 
 void bind_octree(py::module_& module)
 {
-    py::class_<Octree>(module, "Octree",
-                       R"(The octree of a mesh: cells, and the triangles that touch them. Immutable.
+    py::class_<Octree> octree(
+        module, "Octree",
+        R"(The octree of a mesh: cells, and the triangles that touch them. Immutable.
 
 Octree(mesh, *, max_depth=5, threshold=1, uniform=False, root="cube", classify=True, threads=0, progress=None)
 
     max_depth  0 to 19; the root is depth 0
     threshold  a cell splits if more triangles touch it and it may be deeper
     uniform    True: all cells split to max_depth
-    root       "cube" or "box", tight around the mesh
+    root       "cube" or "box", tight around the mesh, or lowest and highest corner of a box that holds it, (2, 3)
     classify   True: finds which empty leaves are inside
 
-Raises InvalidInput for a mesh without triangles or with NaN, LimitExceeded where memory does not suffice.)")
+Raises InvalidInput for a mesh without triangles or with NaN, or one that leaves the root; LimitExceeded where memory
+does not suffice.)");
+    octree
         .def(py::init(&build), py::arg("mesh"), py::kw_only(), py::arg("max_depth") = 5,
              py::arg("threshold") = 1U, py::arg("uniform") = false, py::arg("root") = "cube",
              py::arg("classify") = true, py::arg("threads") = 0, py::arg("progress") = py::none())
@@ -190,6 +201,7 @@ Raises InvalidInput for a mesh without triangles or with NaN, LimitExceeded wher
                 const FileBytes file = file_bytes_of(pickled);
                 return value_of(load_octree(file.bytes, file.storage, "pickled octree"));
             }));
+    bind_octree_cells(octree);
 }
 
 } // namespace proxima::python

@@ -1,6 +1,6 @@
-#include "proxima/topology.h"
 #include "arrays.h"
 #include "bindings.h"
+#include "mesh_topology.h"
 #include "proxima/neighbourhood.h"
 #include "run.h"
 
@@ -12,13 +12,6 @@
 namespace proxima::python {
 
 namespace {
-
-/// The topology with Python's mesh, which rings are searched in.
-struct MeshTopology {
-    py::object owner;
-    const TriangleMesh* mesh = nullptr;
-    Topology topology;
-};
 
 MeshTopology build(const py::object& mesh, int threads, const py::object& progress)
 {
@@ -57,23 +50,13 @@ py::array neighbours_of(const MeshTopology& self)
     return array;
 }
 
-/// A column of integers: an array of one dimension, or a number.
-std::vector<std::int64_t> integers_of(const py::object& object, const char* name)
-{
-    const auto given = py::array::ensure(object);
-    PyErr_Clear();
-    if (!given || (given.dtype().kind() != 'i' && given.dtype().kind() != 'u') || given.ndim() > 1)
-        refuse(name, "must be integers: a column of Closest, or a number");
-    const py::array_t<std::int64_t, py::array::c_style | py::array::forcecast> array(given);
-    return {array.data(), array.data() + array.size()};
-}
-
 std::vector<Feature> features_of(const py::object& closest, const Topology& topology)
 {
     if (!py::hasattr(closest, "feature_kind") || !py::hasattr(closest, "feature"))
         refuse("closest", "must be a Closest or a ClosestOne, is a " + type_name(closest));
-    const auto kinds = integers_of(closest.attr("feature_kind"), "closest.feature_kind");
-    const auto ids = integers_of(closest.attr("feature"), "closest.feature");
+    const char* const column = "integers: a column of Closest, or a number";
+    const auto kinds = integers_of(closest.attr("feature_kind"), "closest.feature_kind", column);
+    const auto ids = integers_of(closest.attr("feature"), "closest.feature", column);
     if (kinds.size() != ids.size()) refuse("closest", "has columns of different lengths");
     std::vector<Feature> features(ids.size());
     for (std::size_t i = 0; i < ids.size(); ++i) {

@@ -99,6 +99,9 @@ proxima_status proxima_scene_create(const double lower[3], const double upper[3]
                                     proxima_scene** scene)
 {
     if (any_null(lower, upper, scene) || !is_box(lower, upper)) return PROXIMA_INVALID_ARGUMENT;
+    const Vec3 extent = vector_of(upper) - vector_of(lower);
+    if (!extent.allFinite() || !(extent.array() > 0).all())
+        return refused("the box is flat, or its extent is not finite");
     return guarded([&] {
         *scene = new proxima_scene{
             std::make_shared<TouchScene>(Box{vector_of(lower), vector_of(upper)})};

@@ -287,6 +287,7 @@ static void test_touch(void)
     REFUSES(proxima_body_create(block, &wrong, &body), PROXIMA_INVALID_ARGUMENT, "friction");
     CHECK(proxima_body_create(block, &material, &body) == PROXIMA_OK);
     REFUSES(proxima_scene_create(upper, lower, &scene), PROXIMA_INVALID_ARGUMENT, "box");
+    REFUSES(proxima_scene_create(lower, lower, &scene), PROXIMA_INVALID_ARGUMENT, "flat");
     CHECK(proxima_scene_create(lower, upper, &scene) == PROXIMA_OK);
     CHECK(proxima_scene_add(scene, body, NULL, &object) == PROXIMA_OK && object == 0);
     CHECK(proxima_device_limits_of("omega", &limits) == PROXIMA_OK && limits.max_stiffness > 300);

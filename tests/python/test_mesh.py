@@ -99,3 +99,40 @@ def test_bounds_and_copies(mesh):
     assert copy.copy(mesh) is mesh and copy.deepcopy([mesh])[0] is mesh
     other = pickle.loads(pickle.dumps(mesh))
     assert np.array_equal(other.vertices, mesh.vertices) and np.array_equal(other.faces, mesh.faces)
+
+
+@pytest.mark.parametrize("name", ["obj", "ply", "stl", "off"])
+def test_reads_bytes_as_it_reads_files(tmp_path, mesh, name):
+    path = tmp_path / f"a.{name}"
+    mesh.write(path)
+    for data in (path.read_bytes(), bytearray(path.read_bytes()), np.fromfile(path, "u1"), memoryview(path.read_bytes())):
+        read = proxima.Mesh.from_bytes(data, name)
+        assert read.fingerprint == proxima.Mesh.read(path).fingerprint
+
+
+def test_welds_as_asked(tmp_path, mesh):
+    mesh.write(tmp_path / "a.stl")
+    counts = [len(proxima.Mesh.read(tmp_path / "a.stl", weld=weld).vertices) for weld in (None, True, False)]
+    assert counts == [len(mesh.vertices)] * 2 + [3 * len(mesh.faces)]
+    data = (tmp_path / "a.stl").read_bytes()
+    assert len(proxima.Mesh.from_bytes(data, "stl", weld=False).vertices) == counts[2]
+
+
+def test_writes_text(tmp_path, mesh):
+    for name, begins in (("a.ply", b"ply\nformat ascii"), ("a.stl", b"solid")):
+        mesh.write(tmp_path / name, ascii=True)
+        assert (tmp_path / name).read_bytes().startswith(begins)
+        assert np.array_equal(proxima.Mesh.read(tmp_path / name).vertices, mesh.vertices) or name == "a.stl"
+
+
+@pytest.mark.parametrize("data, format, says", [
+    (b"v 0 0 0\nf 1 2 3\n", "obj", "OBJ data:2"), (b"solid", "dae", 'format: must be one of .*obj.* without the dot, is "dae"'),
+    (np.zeros((4, 4), "u1")[:, ::2], "obj", "data: must be contiguous")])
+def test_refuses_bytes(data, format, says):
+    with pytest.raises(proxima.InvalidInput, match=says):
+        proxima.Mesh.from_bytes(data, format)
+
+
+def test_fingerprints(mesh):
+    assert mesh.fingerprint == proxima.Mesh(mesh.vertices, mesh.faces).fingerprint == proxima.Index(mesh).fingerprint
+    assert mesh.fingerprint != proxima.Mesh(mesh.vertices, mesh.faces[::-1]).fingerprint

@@ -93,3 +93,52 @@ def test_pickling_leaves_no_files(mesh, tmp_path, monkeypatch):
         with pytest.raises(proxima.Error):
             pickle.dumps(octree)
     assert not os.listdir(tmp_path) and not warned
+
+
+def test_a_root_of_one_s_own(mesh):
+    leaves = proxima.Octree(mesh, root=[[-4, -4, -4], [4, 4, 4]], max_depth=5).leaves()
+    assert np.array_equal(leaves.lower.min(0), [-4] * 3) and np.array_equal(leaves.upper.max(0), [4] * 3)
+    assert np.array_equal(leaves.upper - leaves.lower, np.repeat(8 / 2.0 ** leaves.depth, 3).reshape(-1, 3))
+    for root, says in (([[0, 0, 0]], "root: must be"), ([[0, 0, 0], [9, 9, 9]], "root"), (np.eye(2), "root: must have shape")):
+        with pytest.raises(proxima.InvalidInput, match=says):
+            proxima.Octree(mesh, root=root)
+
+
+@pytest.mark.parametrize("exact", [False, True])
+def test_visible_leaves(mesh, exact):
+    octree = proxima.Octree(mesh, max_depth=5, uniform=True)
+    leaves = octree.leaves()
+    planes = np.array([[0.2, -1, 0, 0.03 - 0.2], [0.2, 1, 0, -0.03 - 0.2]])  # a wedge that opens along x from x = 1
+    highest = np.where(planes[:, None, :3] > 0, leaves.upper, leaves.lower)
+    seen = ((highest * planes[:, None, :3]).sum(axis=2) + planes[:, 3:] >= 0).all(axis=0)
+    behind = leaves.upper[:, 0] < 1
+    assert (seen & behind).any() and (seen & ~behind).any()
+    assert np.array_equal(octree.visible(planes, exact=exact), np.flatnonzero(seen & ~behind if exact else seen))
+    all_planes = proxima.perspective((0, -5, 0), (0, 1, 0), (0, 0, 1))
+    assert len(octree.visible(all_planes, exact=exact)) == len(leaves.kind)
+
+
+def test_leaves_along_rays(mesh):
+    octree = proxima.Octree(mesh, max_depth=4)
+    leaves = octree.leaves()
+    random = np.random.default_rng(3)
+    origins, directions = random.uniform(-1, 1, (40, 3)), random.normal(size=(40, 3))
+    found = octree.along_rays(origins, directions)
+    ends = np.sort([(leaves.lower - origins[:, None]) / directions[:, None], (leaves.upper - origins[:, None]) / directions[:, None]],
+                   axis=0)
+    enter, exit = np.maximum(ends[0].max(axis=2), 0), ends[1].min(axis=2)
+    assert len(found.leaf) > 100
+    for i in range(len(origins)):
+        rows = slice(found.first[i], found.first[i + 1])
+        assert set(found.leaf[rows]) == set(np.flatnonzero(enter[i] < exit[i]))
+        assert np.allclose(found.enter[rows], enter[i, found.leaf[rows]]) and np.allclose(found.exit[rows], exit[i, found.leaf[rows]])
+        assert np.array_equal(found.enter[rows][1:], found.exit[rows][:-1])
+    ray = np.repeat(np.arange(len(origins)), np.diff(found.first))
+    assert np.allclose(found.chord, (found.exit - found.enter) * np.linalg.norm(directions, axis=1)[ray])
+    assert (found.penetration >= 0).all() and (found.penetration <= 1).all()
+    for ask, says in (((origins, directions[1:]), "directions: must be as many as origins, 40, are 39"),
+                      ((origins[:2], [[1, 0, 0], [0, 0, 0]]), "ray 1 is not finite or has no direction")):
+        with pytest.raises(proxima.InvalidInput, match=says):
+            octree.along_rays(*ask)
+    with pytest.raises(proxima.InvalidInput, match="origins: ray 0 is so far from the octree"):
+        proxima.Octree(mesh, root=[[-1e308] * 3, [1e307] * 3]).along_rays([[1e308, 0, 0]], [[-1, 0, 0]])

@@ -14,14 +14,8 @@ NO_PART_OF_IT = {
     "export.h": "for compilers",
     "function_ref.h": "C++ callbacks",
     "proxima.h": "includes the others",
-    "device.h": "touch: a servo loop of 1,000 ticks a second has no place for an interpreter; `proxima touch` runs one",
-    "haptic_renderer.h": "touch",
-    "tool_renderer.h": "touch",
-    "touch_scene.h": "touch; engine_client.py in examples moves the objects of a running scene",
+    "tool_renderer.h": "touch with a tool: not bound yet, `proxima touch --tool` does it",
     "thesis.h": "the thesis's own methods, to compare with: their answers are those of the index",
-    "cells_along_ray.h": "not bound yet: `proxima raycast --cells` writes them",
-    "mesh_report.h": "not bound yet: `proxima check --json -` says it",
-    "mesh_repair.h": "not bound yet: `proxima repair` does it",
 }
 BATCHES = "the batch answers the same"
 STRUCTURE = "how it is made inside"
@@ -33,6 +27,10 @@ OFFERED = {
     "cast_ray.h": {
         "closest_hits any_hits all_hits RayBatchOptions.faces": "Index.cast", "RayHit.t RayHit.triangle RayHit.u RayHit.v": "Hits",
         "RayHitLists.first RayHitLists.hits": "HitLists"},
+    "cells_along_ray.h": {
+        "cells_along_ray": "Octree.along_rays", "CellOnRay.cell": "CellsOnRays.leaf", "CellOnRay.enter": "CellsOnRays.enter",
+        "CellOnRay.exit": "CellsOnRays.exit", "CellOnRay.chord": "CellsOnRays.chord",
+        "CellOnRay.penetration": "CellsOnRays.penetration"},
     "closest_feature.h": {
         "closest_feature": "Index.closest_one", "closest_features": "Index.closest",
         "ClosestFeature.feature ClosestFeature.triangle ClosestFeature.point ClosestFeature.barycentric": "ClosestOne",
@@ -45,14 +43,39 @@ OFFERED = {
         "ConvexPolyhedron.dimension": "Polyhedron.dimension", "ConvexPolyhedron.half_space": "Polyhedron.half_spaces",
         "ConvexPolyhedron.points": "Polyhedron.vertices", "ConvexPolyhedron.vertex_count": "Polyhedron.vertices",
         "ConvexPolyhedron.facet_loop ConvexPolyhedron.facet_count": "Polyhedron.facets"},
-    "cull.h": {"visible_triangles": "Index.visible"},
+    "cull.h": {"visible_triangles": "Index.visible", "visible_cells VisibleCell.cell": "Octree.visible"},
+    "device.h": {
+        "find_device": "device_limits", "DeviceLimits.max_force": "DeviceLimits.max_force",
+        "DeviceLimits.max_stiffness": "DeviceLimits.max_stiffness", "DeviceLimits.max_damping": "DeviceLimits.max_damping",
+        "DeviceLimits.workspace_radius": "DeviceLimits.workspace_radius",
+        "DeviceState.pose DeviceState.velocity": "TouchRenderer.step"},
     "execution.h": {"Threads.count": "Index", "Progress.fraction Progress.stage Progress.cancel": "Cancelled"},
     "geometry.h": {"make_rigid_transform RigidTransform.rotation RigidTransform.translation": "Index.intersect",
                    "Ray.origin Ray.direction Ray.t_min Ray.t_max": "Index.cast"},
+    "haptic_renderer.h": {
+        "make_haptic_renderer fit_workspace RenderOptions.force RenderOptions.proxy_radius RenderOptions.static_friction "
+        "RenderOptions.dynamic_friction RenderOptions.guard RenderOptions.shading RenderOptions.texture "
+        "ForceOptions.stiffness ForceOptions.damping": "TouchRenderer",
+        "HapticRenderer.tick": "TouchRenderer.step", "HapticRenderer.reset": "TouchRenderer.reset",
+        "HapticRenderer.options": "TouchRenderer.options", "WorkspaceMap.units_per_metre": "TouchRenderer.units_per_metre",
+        "WorkspaceMap.center HapticRenderer.map": "TouchRenderer.center", "RenderTick.force": "Touch.force",
+        "RenderTick.proxy": "Touch.proxy", "RenderTick.anchor": "Touch.anchor", "RenderTick.normal": "Touch.normal",
+        "RenderTick.depth": "Touch.depth", "RenderTick.hold": "Touch.hold", "RenderTick.is_placed": "Touch.placed",
+        "RenderTick.fault": "Touch.fault", "RenderTick.contacts": "Touch.contacts", "RenderTick.contact_count": "Contacts.first",
+        "ContactPoint.position": "Contacts.position", "ContactPoint.normal": "Contacts.normal",
+        "ContactPoint.triangle": "Contacts.triangle", "ContactPoint.pressure": "Contacts.pressure"},
     "index_io.h": {"load_index": "Index.load", "save_index": "Index.save"},
     "intersect_meshes.h": {
         "meshes_intersect intersecting_pairs": "Index.intersect", "TrianglePair.a": "Pairs.a", "TrianglePair.b": "Pairs.b",
-        "PairLists.first PairLists.pairs": "PairLists"},
+        "PairLists.first PairLists.pairs": "PairLists", "encloses": "Index.contains", "find_containment": "Index.containment",
+        "ContainmentAnswer.containment": "Containments.containment", "ContainmentAnswer.method": "Containments.method",
+        "intersection_contour": "Index.contour", "IntersectionContour.length": "Contour.length",
+        "IntersectionContour.points ContourPoint.position": "Contour.point",
+        "IntersectionContour.lines ContourLine.first ContourLine.count": "Contour.first", "ContourLine.closed": "Contour.closed",
+        "ContourPoint.on_a SurfacePart.kind": "Contour.kind_a", "ContourPoint.on_b": "Contour.kind_b",
+        "SurfacePart.ids": "Contour.ids_a",
+        "find_self_intersections SelfIntersectionOptions.max_pairs": "Index.self_intersections",
+        "SelfIntersections.pairs": "SelfIntersections.a", "SelfIntersections.complete": "SelfIntersections.complete"},
     "mesh_distance.h": {
         "mesh_distance MeshDistanceOptions.farthest": "Index.distance_to", "MeshDistance.distance": "Distances.distance",
         "MeshDistance.point_a": "Distances.point_a", "MeshDistance.point_b": "Distances.point_b",
@@ -60,10 +83,36 @@ OFFERED = {
     "mesh_index.h": {
         "build_mesh_index": "Index", "mesh_of": "Index.mesh", "with_lists ListOptions.list_bytes": "Index.with_lists",
         "with_signs": "Index.with_signs", "with_slabs": "Index.with_distances", "MeshIndex.bytes": "Index.nbytes",
+        "refit_index": "Index.refit", "check_same_mesh MeshIndex.mesh_fingerprint": "Index.fingerprint",
         "MeshIndex.edge_count": "Index.edge_count", "MeshIndex.has_lists": "Index.has_lists",
         "MeshIndex.has_signs": "Index.has_signs", "MeshIndex.has_slabs": "Index.has_distances",
         "MeshIndex.triangle_count": "Index.triangle_count", "MeshIndex.vertex_count": "Index.vertex_count"},
-    "mesh_io.h": {"read_mesh": "Mesh.read", "write_mesh": "Mesh.write"},
+    "mesh_io.h": {"read_mesh ReadOptions.weld": "Mesh.read", "read_mesh_from_memory": "Mesh.from_bytes",
+                  "write_mesh WriteOptions.ply WriteOptions.stl": "Mesh.write"},
+    "mesh_repair.h": {
+        "repair_mesh": "Mesh.repair", "weld_vertices": "Mesh.weld", "sub_mesh": "Mesh.part", "MeshRepair.mesh": "Repair.mesh",
+        "MeshRepair.original_triangles": "Repair.triangle", "MeshRepair.original_vertices": "Repair.vertex",
+        "MeshRepair.turned": "Repair.turned", "MeshRepair.pieces": "Repair.pieces",
+        "MeshRepair.closed_pieces": "Repair.closed_pieces", "MeshRepair.cavities": "Repair.cavities",
+        "MeshRepair.unorientable_pieces": "Repair.unorientable_pieces", "MeshRepair.unorientable_edges": "Repair.unorientable_edges",
+        "MeshRepair.step MeshRepair.steps RepairStep.kind RepairStep.enabled RepairStep.count name_of": "Repair.steps",
+        "MeshRepairOptions.weld MeshRepairOptions.weld_distance MeshRepairOptions.drop_non_finite "
+        "MeshRepairOptions.drop_degenerate MeshRepairOptions.drop_zero_area MeshRepairOptions.drop_duplicates "
+        "MeshRepairOptions.min_component_area MeshRepairOptions.min_component_triangles MeshRepairOptions.orient "
+        "MeshRepairOptions.turn_outward MeshRepairOptions.keep_cavities MeshRepairOptions.drop_unused_vertices": "Mesh.repair"},
+    "mesh_report.h": {
+        "report_mesh MeshReportOptions.max_ids": "Mesh.report", "MeshReport.vertices": "Report.vertices",
+        "MeshReport.triangles": "Report.triangles", "MeshReport.edges": "Report.edges", "MeshReport.components": "Report.components",
+        "MeshReport.boundary_loops": "Report.boundary_loops", "MeshReport.bounds": "Report.bounds", "MeshReport.area": "Report.area",
+        "MeshReport.min_edge_length": "Report.min_edge_length", "MeshReport.max_edge_length": "Report.max_edge_length",
+        "MeshReport.closed": "Report.closed", "MeshReport.consistently_oriented": "Report.consistently_oriented",
+        "MeshReport.closed_if_welded": "Report.closed_if_welded", "MeshReport.orientation": "Report.orientation",
+        "MeshReport.signed_volume": "Report.volume", "MeshReport.euler_characteristic": "Report.euler_characteristic",
+        "MeshReport.genus": "Report.genus", "MeshReport.findings": "Report.findings",
+        "MeshReport.outlook QueryOutlook.query QueryOutlook.outlook QueryOutlook.reason": "Report.outlook",
+        "MeshFinding.kind": "Finding.kind", "MeshFinding.severity": "Finding.severity", "MeshFinding.element": "Finding.element",
+        "MeshFinding.count": "Finding.number", "MeshFinding.first_ids": "Finding.ids",
+        "MeshFinding.first_positions": "Finding.positions", "MeshFinding.meaning": "Finding.meaning"},
     "minkowski_sum.h": {
         "minkowski_sum": "minkowski_sum", "contains": "MinkowskiSum.contains", "signed_distance": "MinkowskiSum.signed_distance",
         "separation Separation.distance Separation.direction": "separation", "MinkowskiSum.dimension": "MinkowskiSum.dimension",
@@ -75,7 +124,7 @@ OFFERED = {
     "neighbourhood.h": {"collect_rings": "Topology.patch", "collect_triangles": "Index.within"},
     "octree.h": {
         "build_octree": "Octree", "octree_statistics": "Octree.statistics", "traverse": "Octree.leaves",
-        "OctreeOptions.max_depth OctreeOptions.threshold OctreeOptions.subdivision OctreeOptions.root_shape "
+        "OctreeOptions.root OctreeOptions.max_depth OctreeOptions.threshold OctreeOptions.subdivision OctreeOptions.root_shape "
         "OctreeOptions.classification": "Octree", "Cell.key CellKey.bits": "Leaves.key", "depth": "Leaves.depth",
         "Cell.type": "Leaves.kind", "Octree.box": "Leaves.lower", "cell_box": "Leaves.upper", "Octree.triangles": "Leaves.triangle",
         "OctreeStatistics.boundary OctreeStatistics.bytes OctreeStatistics.depth_reached OctreeStatistics.inner "
@@ -92,10 +141,25 @@ OFFERED = {
                           "SignedDistance.method": "Index.signed_distance", "name_of": "SIGN_METHODS"},
     "topology.h": {"build_topology": "Topology", "Topology.vertices Topology.edge_count": "Topology.edges",
                    "Topology.across": "Topology.neighbours", "Feature.kind Feature.id": "Closest"},
+    "touch_scene.h": {
+        "TouchScene.add build_touch_body TouchBodyOptions.material TouchBodyOptions.shading TouchBodyOptions.texture": "TouchScene.add",
+        "SurfaceTexture.bump Bump.shape": "Texture.bump", "Bump.amplitude": "Texture.amplitude", "Bump.wavelength":
+        "Texture.wavelength", "Bump.direction": "Texture.direction", "SurfaceTexture.viscosity": "Texture.viscosity",
+        "SurfaceTexture.stick_slip StickSlip.stiffness": "Texture.stick_slip_stiffness",
+        "StickSlip.max_force": "Texture.stick_slip_force", "SurfaceTexture.tap Tap.gain": "Texture.tap_gain",
+        "Tap.frequency": "Texture.tap_frequency", "Tap.decay": "Texture.tap_decay", "TouchScene.move ObjectMotion.pose "
+        "ObjectMotion.seconds ObjectMotion.velocity ObjectMotion.spin ObjectMotion.coast_seconds": "TouchScene.move",
+        "TouchScene.exchange": "TouchScene.exchange", "TouchScene.deform refit_touch_body": "TouchScene.deform",
+        "TouchScene.set_material": "TouchScene.set_material", "TouchScene.pose": "TouchScene.pose",
+        "TouchScene.object_count": "TouchScene.object_count",
+        "SurfaceMaterial.stiffness": "Material.stiffness", "SurfaceMaterial.damping": "Material.damping",
+        "SurfaceMaterial.static_friction": "Material.static_friction",
+        "SurfaceMaterial.dynamic_friction": "Material.dynamic_friction", "object_of": "Contacts.object",
+        "triangle_of": "Contacts.triangle"},
     "triangle_mesh.h": {
         "make_triangle_mesh": "Mesh", "checked_bounding_box bounding_box": "Mesh.bounds",
         "TriangleMesh.position TriangleMesh.positions TriangleMesh.vertex_count": "Mesh.vertices",
-        "TriangleMesh.triangle TriangleMesh.triangles TriangleMesh.triangle_count": "Mesh.faces"},
+        "TriangleMesh.triangle TriangleMesh.triangles TriangleMesh.triangle_count": "Mesh.faces", "mesh_fingerprint": "Mesh.fingerprint"},
     "view_volume.h": {
         "make_perspective_volume": "perspective", "make_orthographic_volume": "orthographic", "make_view_volume": "Index.visible",
         "ViewPlane.normal ViewPlane.offset ViewVolume.planes": "Index.visible",
@@ -106,6 +170,7 @@ OFFERED = {
 }
 
 LEFT_OUT = {
+    "cells_along_ray.h": {"penetration": "CellsOnRays has it of leaves"},
     "cast_ray.h": {"closest_hit any_hit": BATCHES, "visit_hits": "a callback for each hit: hits=\"all\" has them",
                    "RayHit.before": "the order of Index.cast(hits=\"all\")"},
     "closest_feature.h": {
@@ -121,7 +186,27 @@ LEFT_OUT = {
         "ConvexPolyhedron.normal_factors ConvexPolyhedron.normal_sign ConvexPolyhedron.scaled_normal": STRUCTURE,
         "ConvexPolyhedron.vertex": NAMES, "ConvexMeshOptions.tolerance": NOT_YET},
     "cull.h": {"visible_ranges visit_visible TriangleRange.count TriangleRange.first": NAMES,
-               "visible_cells VisibleCell.cell VisibleCell.is_inside": "cells of octrees in views: " + NOT_YET},
+               "VisibleCell.is_inside": "the boxes of Leaves tell it"},
+    "device.h": {
+        "open_device is_device_name OpenDeviceOptions.library OpenDeviceOptions.limits Device.info Device.read Device.run "
+        "Device.trouble Device.write DeviceInfo.buttons DeviceInfo.driver DeviceInfo.limits DeviceInfo.model DeviceInfo.name "
+        "DeviceInfo.patience DeviceInfo.pushes DeviceInfo.rotates DeviceInfo.serial DeviceInfo.stillness DeviceReading.sample "
+        "DeviceReading.state DeviceCommand.anchor DeviceCommand.condition DeviceCommand.damping DeviceCommand.dynamic_friction "
+        "DeviceCommand.force DeviceCommand.force_scale DeviceCommand.plane_count DeviceCommand.planes DeviceCommand.static_friction "
+        "DeviceCommand.stiffness DeviceCommand.torque DevicePlane.normal DevicePlane.offset make_device_input DeviceInput.accept "
+        "DeviceInput.command DeviceInput.next_button_event DeviceInput.release DeviceInput.report DeviceInput.state "
+        "InputOptions.clutch_buttons InputOptions.frozen_force InputOptions.frozen_seconds InputOptions.max_distance "
+        "InputOptions.max_jump InputOptions.rotation InputOptions.settle_seconds InputOptions.stillness InputOptions.tick_seconds "
+        "InputReport.clutched_ticks InputReport.faulty_ticks InputReport.freezes InputReport.jumps InputReport.longest_fault "
+        "InputReport.longest_recovery InputReport.losses InputReport.not_finite InputReport.recoveries InputReport.samples "
+        "InputReport.silences InputReport.suspicions InputReport.velocities ButtonEvent.button ButtonEvent.pressed "
+        "ButtonEvent.tick run_servo_loop ServoOptions.pace ServoOptions.rate ServoOptions.ticks ServoStatistics.late "
+        "ServoStatistics.locked_memory ServoStatistics.missed ServoStatistics.note ServoStatistics.overslept "
+        "ServoStatistics.page_faults ServoStatistics.real_time_priority ServoStatistics.seconds ServoStatistics.skipped "
+        "ServoStatistics.ticks ServoStatistics.work LatencyHistogram.add LatencyHistogram.count LatencyHistogram.count_below "
+        "LatencyHistogram.max LatencyHistogram.quantile DeviceState.buttons DeviceState.condition":
+        "a servo loop of 1,000 ticks a second has no place for an interpreter: `proxima touch` runs one",
+        "known_devices DeviceLimits.name within": "the message of an unknown device lists them", "DeviceLimits.max_torque": "of tools"},
     "execution.h": {"Execution.budget MemoryBudget.bytes": "memory that is short raises LimitExceeded",
                     "Execution.threads Execution.progress": "the arguments threads and progress",
                     "Progress.advance Progress.begin_stage Progress.cancelled Progress.cancel_after": "what queries report to"},
@@ -129,24 +214,24 @@ LEFT_OUT = {
         "scaled_normal is_valid rotation_error Box.center Box.contains Box.empty Box.extend Box.extent Box.lower Box.upper "
         "Triangle.vertices Ray.at RigidTransform.inverse Displacement.from Displacement.rounded Displacement.to bounding_box":
         "arithmetic of arrays"},
+    "haptic_renderer.h": {
+        "ForceOptions.loss_seconds ForceOptions.max_slew ForceOptions.start_seconds RenderOptions.max_jump RenderOptions.max_moves":
+        "for tuning: " + NOT_YET, "RenderTick.tap RenderTick.texture": "parts of Touch.force",
+        "HapticRenderer.last HapticRenderer.path RenderTick.condition RenderTick.moves RenderTick.position RenderTick.slide_end "
+        "RenderTick.spring RenderTick.squeezed RenderTick.surface_velocity": NOT_YET,
+        "WorkspaceMap.to_device WorkspaceMap.to_model": "arithmetic of arrays"},
     "intersect_meshes.h": {
         "visit_intersecting_pairs": NAMES, "find_meeting MeshMeeting.row_a MeshMeeting.row_b MeshMeeting.triangle_a "
         "MeshMeeting.triangle_b MeetingOptions.start_from": "for loops in C++ over poses that change little",
-        "intersection_contour SurfacePart.ids SurfacePart.kind ContourPoint.on_a ContourPoint.on_b ContourPoint.position "
-        "ContourLine.closed ContourLine.count ContourLine.first IntersectionContour.length IntersectionContour.lines "
-        "IntersectionContour.points IntersectionContour.points_of": "contours: " + NOT_YET + ", `proxima intersect --contour`",
-        "build_enclosure encloses find_containment Enclosure.method Enclosure.parts ContainmentAnswer.containment "
-        "ContainmentAnswer.method": "containment: " + NOT_YET + ", signed distances tell it for points",
-        "find_self_intersections SelfIntersectionOptions.max_pairs SelfIntersections.complete SelfIntersections.pairs": NOT_YET},
+        "IntersectionContour.points_of": NAMES, "build_enclosure Enclosure.method Enclosure.parts": STRUCTURE},
     "mesh_distance.h": {"MeshDistance.part_a MeshDistance.part_b MeshDistance.row_a MeshDistance.row_b": STRUCTURE,
                         "MeshDistanceOptions.start_from": "poses of one call start from each other"},
     "mesh_index.h": {
         "bytes_of MeshIndexBytes.blocks MeshIndexBytes.ids MeshIndexBytes.incidences MeshIndexBytes.lists MeshIndexBytes.rows "
-        "MeshIndexBytes.signs MeshIndexBytes.slabs": STRUCTURE, "refit_index": "moved vertices: " + NOT_YET,
-        "check_same_mesh MeshIndex.mesh_fingerprint": NOT_YET, "default_list_bytes ListOptions.margin ListOptions.max_depth":
+        "MeshIndexBytes.signs MeshIndexBytes.slabs": STRUCTURE, "default_list_bytes ListOptions.margin ListOptions.max_depth":
         "for tuning: answers are the same", "MeshIndex.ids MeshIndex.parts": STRUCTURE},
-    "mesh_io.h": {"format_name format_of_path known_mesh_extensions": "the message of an unknown extension lists them",
-                  "read_mesh_from_memory": NOT_YET, "ReadOptions.weld WriteOptions.ply WriteOptions.stl": NOT_YET},
+    "mesh_report.h": {"MeshReport.find name_of": NAMES},
+    "mesh_io.h": {"format_name format_of_path known_mesh_extensions": "the message of an unknown extension lists them"},
     "minkowski_sum.h": {
         "directional_depth": NOT_YET, "SumFacet.a SumFacet.b SumFacet.origin SumFacet.turn SumCorner.a SumCorner.b SumCorner.kind "
         "MinkowskiSum.a MinkowskiSum.b MinkowskiSum.corner MinkowskiSum.edges MinkowskiSum.facet": "which parts a facet is made of: "
@@ -166,14 +251,23 @@ LEFT_OUT = {
         "ClassificationSummary.components ClassificationSummary.leaked_components ClassificationSummary.leaked_leaves "
         "OctreeParameters.classification OctreeParameters.classified OctreeParameters.exact OctreeParameters.max_depth "
         "OctreeParameters.method OctreeParameters.subdivision OctreeParameters.threshold": "what it was built with: " + NOT_YET,
-        "OctreeOptions.root": "a root box of one's own: " + NOT_YET, "OctreeStatistics.leaves_at_depth": NAMES},
+        "OctreeStatistics.leaves_at_depth": NAMES},
     "octree_io.h": {"LoadOptions.verify": "files are always checked whole"},
     "sample_meshes.h": {"is_sample_mesh_name": "a wrong name raises InvalidInput"},
     "signed_distance.h": {"has_local_signs sign_of SignedDistance.closest SignedOutputs.answers": NAMES},
     "topology.h": {"Topology.bytes": STRUCTURE, "to_index": "ids are int32",
                    "Topology.edges Topology.triangles Topology.find_edge Topology.other_end Topology.triangle_count "
                    "Topology.vertex_count": NAMES},
-    "triangle_mesh.h": {"mesh_fingerprint": NOT_YET, "to_index": "ids are int32"},
+    "touch_scene.h": {
+        "TouchBody.mesh": "Index.mesh has it", "TouchScene.advance SceneTick.exchanged SceneTick.moved SceneTick.seconds": STRUCTURE,
+        "TouchScene.velocity": NOT_YET, "scene_triangle to_index": NAMES,
+        "SurfaceTexture.any Bump.any StickSlip.any Tap.any": "arithmetic of numbers",
+        "open_engine_channel EngineChannel.receive EngineChannel.report EngineChannel.send EngineChannel.trouble "
+        "EngineReport.accepted EngineReport.duplicated EngineReport.foreign EngineReport.leapt EngineReport.lost "
+        "EngineReport.malformed EngineReport.materials EngineReport.motions EngineReport.other_versions EngineReport.received "
+        "EngineReport.refused_objects EngineReport.reordered EngineReport.sent EngineReport.sessions EngineReport.unsent":
+        "the other end of it: engine_client.py in examples"},
+    "triangle_mesh.h": {"to_index": "ids are int32"},
     "view_volume.h": {"ViewVolume.empty ViewVolume.inner_point": STRUCTURE},
 }
 
@@ -183,10 +277,16 @@ PYTHONS_OWN = {
     "Facets.first Facets.vertex HitLists.first HitLists.t HitLists.triangle HitLists.u HitLists.v PairLists.first PairLists.a "
     "PairLists.b Hits.t Hits.triangle Hits.u Hits.v": "columns of answers",
     "Hits.hit Pairs.intersecting PairLists.intersecting": "made of the columns",
-    "Closest ClosestOne Hits Pairs Distances Leaves SumDistances": "tuples of columns",
+    "Closest ClosestOne Hits Pairs Distances Leaves SumDistances Report Finding Repair SelfIntersections "
+    "Containments Contour CellsOnRays CellsOnRays.first Material Texture DeviceLimits Touch Contacts "
+    "Contour.ids_b SelfIntersections.b": "tuples of columns",
     "ClosestOne.distance ClosestOne.point ClosestOne.triangle ClosestOne.feature_kind ClosestOne.feature ClosestOne.barycentric":
     "named as the columns of Closest",
-    "FEATURE_KINDS CELL_KINDS": "names of numbers", "InvalidInput FileMissing FileNotWritable LimitExceeded": "Error.code as types",
+    "Replay Replay.touch Replay.seconds Replay.position Replay.velocity Replay.force Replay.differences Replay.tick_seconds "
+    "Replay.units_per_metre Replay.center TouchRenderer.replay": "sessions of `proxima touch`, which C++ has no public reader of",
+    "TouchScene": "its bounds are the constructor's",
+    "FEATURE_KINDS CELL_KINDS INSIDE_METHODS CONTAINMENTS HOLDS TOUCH_FAULTS": "names of numbers",
+    "InvalidInput FileMissing FileNotWritable LimitExceeded": "Error.code as types",
     "__version__": "", "MinkowskiSum": "made by minkowski_sum()",
 }
 ANSWERS = ("count", "index")  # what tuples have of their own

@@ -48,9 +48,24 @@ def test_the_example_of_the_docs_runs(tmp_path):
             assert done.returncode == 0, f"{page.name}, program {number}:\n{code}\n{done.stderr}"
 
 
-@pytest.mark.parametrize("name, says", [
-    ("volume_by_signed_distances", r"by counting:  (2\.\d+|3\.\d+|4\.\d+)"), ("thickness_of_walls", r"thickness: 0\.\d+ at least"),
-    ("clearance_of_a_moving_part", r"first contact at x = \d\.\d+: \d+ pairs")])
+EXAMPLES = {
+    "volume_by_signed_distances": r"by counting:  (2\.\d+|3\.\d+|4\.\d+)", "thickness_of_walls": r"thickness: 0\.\d+ at least",
+    "clearance_of_a_moving_part": r"first contact at x = \d\.\d+: \d+ pairs",
+    "what_is_wrong_with_a_mesh": r"^not watertight\nwarning: 6 boundary edges, the first at \[\[.*\n.*3 inconsistent edges",
+    "repair_a_mesh": r"weld vertices: 4000\norient pieces: 4\d\d\nclosed: False before, True after; volume 4\.83",
+    "signed_distances_on_a_grid": r"change by (1\.00|0\.99)\d per unit of length, 4\.8\d+ of the volume",
+    "where_two_parts_meet": r"along 2 lines, 2 of them closed, of length 10\.99(.*\n)+.*apart by 6\.2\d+, contained: none",
+    "what_a_camera_sees": r"^\d+ of 10000 triangles are in view\n(.*\n)*.*@@@", "x_ray_of_a_mesh": r"; volume 4\.9\d+",
+    "octree_in_numpy": r"inner: \d+ leaves, 2\.8\d+ of the volume(.*\n)+a ray along x goes through 22 leaves, 1\.875",
+    "feel_a_surface_along_a_path": r"  300 ms   0\.000 N  free\n(.*\n)*.*1200 ms   0\.9\d+ N  sliding"}
+
+
+def test_every_example_is_run():
+    names = {path.stem for path in (ROOT / "examples").glob("*.py")}
+    assert names == set(EXAMPLES) | {"engine_client"}  # which the tests of the program run
+
+
+@pytest.mark.parametrize("name, says", EXAMPLES.items())
 def test_examples_run(name, says):
     path = ROOT / f"examples/{name}.py"
     assert len(path.read_text().splitlines()) < 40
@@ -58,6 +73,15 @@ def test_examples_run(name, says):
         done = subprocess.run([sys.executable, "-W", "error", path, *mesh], capture_output=True, text=True)
         assert done.returncode == 0, done.stderr
         assert mesh or re.search(says, done.stdout), done.stdout
+
+
+@pytest.mark.parametrize("name, out, written", [
+    ("repair_a_mesh", "a.ply", ["a.ply"]), ("signed_distances_on_a_grid", "a.npz", ["a.npz"]),
+    ("octree_in_numpy", "", ["octree.htg", "octree.vtu"])])
+def test_examples_write_files(tmp_path, name, out, written):
+    subprocess.run([sys.executable, "-W", "error", ROOT / f"examples/{name}.py", ROOT / "examples/tetrahedron.off", tmp_path / out],
+                   check=True, capture_output=True)
+    assert sorted(path.name for path in tmp_path.iterdir()) == written
 
 
 def test_the_module_is_small_and_exports_its_beginning_only():
