@@ -1,5 +1,5 @@
 """What the Python module adds to the C++ library: processor time of both in one process, one thread, taking turns. Where
-python3-open3d is installed, also the closest points of its RaycastingScene on the same mesh.
+python3-open3d is installed, also the closest points and signed distances of its RaycastingScene on the same mesh.
 
     python_bench.py C++_SIDE [--mesh FILE] [--points N] [--rounds N]
 """
@@ -72,6 +72,33 @@ def against_open3d(mesh, index, points, rounds):
             print(f"{f'{where}, {kind}':46}{their_time / us:11.3f} us{our_time / us:9.3f} us{ratio:8.1f}")
 
 
+def field_against_open3d(mesh, rounds):
+    """Processor time of a grid of signed distances, one thread each."""
+    try:
+        import open3d
+    except ImportError:
+        return
+    tensor = open3d.core.Tensor
+    scene = open3d.t.geometry.RaycastingScene(nthreads=1)
+    scene.add_triangles(tensor(np.asarray(mesh.vertices, "f4")), tensor(np.asarray(mesh.faces)))
+    index = proxima.Index(mesh, signs=True)
+    name = f"Open3D {open3d.__version__}"
+    print(f"\nsigned distances on a grid, one thread each; the ratio is that of {name} to Index.distance_field")
+    print(f"{'':46}{name:>14}{'ours':>12}{'ratio':>8}")
+    for resolution in (64, 128):
+        field = index.distance_field(resolution, threads=1)
+        places = np.stack(np.meshgrid(*map(np.arange, field.distance.shape), indexing="ij"), axis=-1)
+        given = tensor((field.origin + field.spacing * places).astype("f4"))
+        theirs = scene.compute_signed_distance(given, nthreads=1).numpy()
+        off = np.abs(theirs - field.distance)
+        (their_time, our_time), ratio = median_times(
+            rounds, lambda: scene.compute_signed_distance(given, nthreads=1), lambda: index.distance_field(resolution, threads=1))
+        us = 1e-6 * field.distance.size
+        size = " x ".join(map(str, field.distance.shape))
+        print(f"{size:46}{their_time / us:11.3f} us{our_time / us:9.3f} us{ratio:8.1f}")
+        print(f"    {np.count_nonzero(off > 1e-4 * np.ptp(mesh.bounds))} of {off.size} distances of {name} differ by more than 1e-4 of the size")
+
+
 def main():
     parser = argparse.ArgumentParser()
     parser.add_argument("library")
@@ -137,6 +164,7 @@ def main():
     if not np.array_equal(np.sqrt(squared), ids.distance) or not np.array_equal(triangles, whole.triangle):
         sys.exit("the answers differ")
     against_open3d(mesh, index, points, options.rounds)
+    field_against_open3d(mesh, options.rounds)
 
 
 if __name__ == "__main__":

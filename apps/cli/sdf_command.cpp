@@ -1,4 +1,5 @@
 // proxima sdf: the signed distances of a mesh at all points of a regular grid, as a file for NumPy or VTK.
+#include "base/file_extension.h"
 #include "base/memory_budget.h"
 #include "base/output_file.h"
 #include "base/text.h"
@@ -49,7 +50,7 @@ struct Field {
 Result<FieldFormat> format_of(const std::string& path)
 {
     if (path.empty()) return FieldFormat::none;
-    const std::string extension = std::filesystem::path(path).extension().string();
+    const std::string extension = lower_case_extension(path);
     if (extension == ".npy") return FieldFormat::npy;
     if (extension == ".vti") return FieldFormat::vti;
     return fail(ErrorCode::unsupported_format,
@@ -144,7 +145,7 @@ struct FieldCounts {
             least = std::min(least, distance);
             most = std::max(most, distance);
             inside += distance < 0 ? 1 : 0;
-            beyond += std::abs(distance) == band ? 1 : 0;
+            beyond += std::isfinite(band) && std::abs(distance) == band ? 1 : 0;
         }
     }
 };
@@ -253,7 +254,7 @@ Command add_sdf_command(CLI::App& app)
         ->type_name("FILE");
     parser->callback([options] {
         if ((options->gradients || options->methods) &&
-            std::filesystem::path(options->out).extension() != ".vti") {
+            lower_case_extension(options->out) != ".vti") {
             throw CLI::ValidationError(options->gradients ? "--gradients" : "--methods",
                                        "it goes with --out FILE.vti");
         }

@@ -8,10 +8,10 @@
 //     Status done = distance_field(*index, *grid, {.distances = distances});
 //     double at = distances[grid->position(3, 4, 5)];    // negative inside
 //
-// Each is what signed_distance says at that point, bit for bit. The grid is cut into blocks, blocks
-// into eight again and again, and each keeps what may be closest to one of its points, leaves of the
-// index first and in the end a few triangles: those are looked at, not the whole tree. Of a block that the surface of a closed mesh
-// does not enter one point is asked on which side it is.
+// Each is what signed_distance says at that point, bit for bit. How: the grid is cut into blocks, and
+// blocks into eight again and again. Each keeps what may be closest to one of its points, first leaves
+// of the index and in the end a few triangles. A point is compared with these alone. Where the surface
+// of a closed mesh does not enter a block, one point tells the side of all.
 #pragma once
 
 #include "proxima/execution.h"
@@ -58,9 +58,12 @@ struct GridOptions {
     double margin = 0.05;           ///< beyond the box on each side, in its longest sides
 };
 
-/// A grid whose middle is the box's and that reaches beyond it by the margin or a little more. Errors:
-/// invalid_argument where the box is empty or not finite, a number is out of range, or there would be
-/// more than 2^40 points.
+/// Points that a grid may have.
+inline constexpr std::uint64_t max_grid_points = std::uint64_t{1} << 40U;
+
+/// A grid whose middle is the box's and that reaches beyond it by the margin, but for rounding, or a
+/// little more. Errors: invalid_argument where the box is empty or not finite, a number is out of
+/// range, or there would be more than max_grid_points.
 [[nodiscard]] Result<PointGrid> grid_around(const Box& box, const GridOptions& options = {});
 
 /// Where a field is written: each span is empty or has point_count() elements.
@@ -69,7 +72,8 @@ struct FieldOutputs {
     std::span<double> distances = {};
     /// The direction in which the signed distance grows fastest, of length 1: away from the closest
     /// point outside, towards it inside; on the surface the normal of the closest triangle, zero if
-    /// that has none. Zero beyond the band. Where several points are equally close, that of the one that is named.
+    /// that has none. Zero beyond the band. Where several points are equally close, that of the one
+    /// that is named.
     std::span<Vec3> gradients = {};
     /// How each sign was found; beyond the band always winding_number.
     std::span<SignMethod> methods = {};
@@ -82,11 +86,11 @@ struct FieldOptions {
 };
 
 /// Fills a grid with signed distances. The same for any number of threads, and with every instruction
-/// set. About 0.5 us per point of a closed mesh on one thread; of an open one some microseconds more,
-/// for winding numbers. Thread safe. Allocates some MB per thread at most, for meshes of millions of
-/// triangles. Errors: invalid_argument (the index has no signs, a span has another size, spacing or
-/// band is not positive, a point is not finite), cancelled, after which the outputs are filled in
-/// part.
+/// set. About 0.5 us per point of a closed mesh on one thread, twice that with gradients or methods; of
+/// an open mesh some microseconds more, for winding numbers. A thread takes 32^3 points at once, and
+/// some MB. Thread safe. Errors: invalid_argument (the index has no signs, a span has another size,
+/// spacing or band is not positive, a point is not finite, too many points), cancelled, after which the
+/// outputs are filled in part.
 [[nodiscard]] Status distance_field(const MeshIndex& index, const PointGrid& grid,
                                     const FieldOutputs& outputs, const FieldOptions& options = {});
 

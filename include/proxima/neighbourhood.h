@@ -137,7 +137,7 @@ struct NearTriangle {
 
 /// The triangles nearest to p, no farther than the radius, as many as the buffer holds: by squared
 /// distance, as closest_feature computes it, equal ones by id. `complete` where they are all within the
-/// radius: not where the buffer was filled and the mesh has more. None where p is not finite, or the radius NaN or below 0. Some 0.5 us more per
+/// radius; not where the buffer was filled and the mesh has more triangles. None where p is not finite, or the radius NaN or below 0. Some 0.5 us more per
 /// triangle than closest_feature. Thread safe.
 [[nodiscard]] Neighbourhood
 collect_nearest(const MeshIndex& index, const Vec3& p, std::span<NearTriangle> buffer,

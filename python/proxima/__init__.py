@@ -16,15 +16,15 @@ from ._core import (Cancelled, ClosestOne, Error, FileMissing, FileNotWritable, 
                     MinkowskiSum, Octree, Polyhedron, Topology, TouchRenderer, TouchScene, __version__, device_limits,
                     minkowski_sum, orthographic, perspective, separation)
 from ._results import (CELL_KINDS, CONTAINMENTS, FEATURE_KINDS, HOLDS, INSIDE_METHODS, SIGN_METHODS, TOUCH_FAULTS, CellsOnRays,
-                       Closest, Contacts, Containments, Contour, DeviceLimits, Distances, Facets, Finding, HitLists, Hits, Leaves,
-                       Material, Neighbours, PairLists, Pairs, Patches, Repair, Replay, Report, SelfIntersections, SumDistances,
+                       Closest, Contacts, Containments, Contour, DeviceLimits, Distances, Facets, Field, Finding, HitLists, Hits, Leaves,
+                       Material, Nearest, Neighbours, PairLists, Pairs, Patches, Repair, Replay, Report, SelfIntersections, SumDistances,
                        Texture, Touch)
 
 __all__ = [
     "Mesh", "Index", "Topology", "Octree", "Polyhedron", "MinkowskiSum", "minkowski_sum", "separation", "perspective", "orthographic",
     "TouchScene", "TouchRenderer", "Material", "Texture", "DeviceLimits", "device_limits",
     "Closest", "ClosestOne", "Hits", "HitLists", "Pairs", "PairLists", "SelfIntersections", "Containments", "Contour", "Distances",
-    "Neighbours", "Patches", "Leaves", "CellsOnRays", "Facets", "SumDistances", "Report", "Finding", "Repair", "Touch", "Contacts",
+    "Neighbours", "Nearest", "Field", "Patches", "Leaves", "CellsOnRays", "Facets", "SumDistances", "Report", "Finding", "Repair", "Touch", "Contacts",
     "Replay", "FEATURE_KINDS", "SIGN_METHODS", "CELL_KINDS", "INSIDE_METHODS", "CONTAINMENTS", "HOLDS", "TOUCH_FAULTS",
     "Error", "InvalidInput", "FileMissing", "FileNotWritable", "LimitExceeded", "Cancelled", "__version__",
 ]

@@ -146,6 +146,17 @@ Neighbours = _result(
     "Neighbours", "The triangles near n points, those of each ascending.",
     first=_FIRST, triangle="(m,) int32")
 
+Nearest = _result(
+    "Nearest", "The k triangles nearest to n points, nearest first.",
+    distance="(n, k) float64: inf where there is none", triangle="(n, k) int32: -1 where there is none")
+
+Field = _result(
+    "Field", "Signed distances at nx, ny, nz points: point i, j, k is origin + spacing * (i, j, k). In memory x runs fastest.",
+    distance="(nx, ny, nz) float64: negative inside; beyond the band its width with the sign",
+    gradient="(nx, ny, nz, 3) float64: the direction in which the distance grows, zero beyond the band; None where not asked for",
+    method="(nx, ny, nz) uint8: how each sign was found, see SIGN_METHODS; None where not asked for",
+    origin="(3,) float64", spacing="float: between points, along all axes")
+
 Patches = _result(
     "Patches", "Triangles round n features, those of each ring by ring, ascending within a ring.",
     first=_FIRST, triangle="(m,) int32", ring="(m,) int32: 0 for the triangles that have the feature")

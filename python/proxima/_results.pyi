@@ -122,6 +122,17 @@ class Neighbours(NamedTuple):
     first: NDArray[int64]
     triangle: NDArray[int32]
 
+class Nearest(NamedTuple):
+    distance: NDArray[float64]
+    triangle: NDArray[int32]
+
+class Field(NamedTuple):
+    distance: NDArray[float64]
+    gradient: Optional[NDArray[float64]]
+    method: Optional[NDArray[uint8]]
+    origin: NDArray[float64]
+    spacing: float
+
 class Patches(NamedTuple):
     first: NDArray[int64]
     triangle: NDArray[int32]

@@ -212,6 +212,7 @@ lists were built for: then build anew.)")
     bind_pairs(index);
     bind_contact(index);
     bind_near(index);
+    bind_field(index);
 }
 
 } // namespace proxima::python

@@ -256,6 +256,65 @@ def test_within(mesh, index, points):
         index.within(points, -1)
 
 
+def test_nearest(mesh, index, points):
+    truth = oracles.triangle_distances(mesh, points)
+    found = index.nearest(points, 9)
+    assert found.distance.shape == found.triangle.shape == (len(points), 9)
+    assert np.allclose(found.distance, np.sort(truth, axis=1)[:, :9], rtol=1e-12)
+    assert np.allclose(np.take_along_axis(truth, found.triangle.astype(int), axis=1), found.distance, rtol=1e-12)
+    assert all(len(set(row)) == 9 for row in found.triangle.tolist())
+    assert np.array_equal(found.distance[:, 0], index.closest(points).distance)
+    few = index.nearest(points, len(mesh.faces) + 2, radius=0.4)
+    counts = np.diff(index.within(points, 0.4).first)
+    assert np.array_equal((few.triangle >= 0).sum(axis=1), counts) and np.array_equal(np.isfinite(few.distance), few.triangle >= 0)
+    assert index.nearest(np.empty((0, 3)), 2).triangle.shape == (0, 2)
+    for bad, says in ((dict(count=0), "count"), (dict(count=1, radius=np.nan), "radius")):
+        with pytest.raises(proxima.InvalidInput, match=says):
+            index.nearest(points, **bad)
+    with pytest.raises(proxima.InvalidInput, match="point 1"):
+        index.nearest([[0, 0, 0], [np.inf, 0, 0]], 1)
+
+
+def test_triangles_in_a_box(mesh, index):
+    corners = oracles.corners(mesh)
+    inside = index.in_box([-10, -10, -10], [10, 10, 10])
+    assert np.array_equal(inside, np.arange(len(mesh.faces)))
+    lower, upper = np.array([-0.1, -0.2, -2.0]), np.array([0.3, 0.4, 2.0])
+    found = index.in_box(lower, upper)
+    boxes_meet = ((corners.min(axis=1) <= upper) & (corners.max(axis=1) >= lower)).all(axis=1)
+    with_corner = ((corners >= lower) & (corners <= upper)).all(axis=2).any(axis=1)
+    assert set(np.nonzero(with_corner)[0]) <= set(found.tolist()) <= set(np.nonzero(boxes_meet)[0])
+    assert 0 < len(found) < len(mesh.faces)
+    with pytest.raises(proxima.InvalidInput, match="lower"):
+        index.in_box([1, 0, 0], [0, 0, 0])
+
+
+def test_distance_fields(mesh):
+    index = proxima.Index(mesh, signs=True)
+    field = index.distance_field(23, gradient=True, method=True)
+    assert max(field.distance.shape) == 23 and field.gradient.shape == field.distance.shape + (3,)
+    places = np.stack(np.meshgrid(*map(np.arange, field.distance.shape), indexing="ij"), axis=-1)
+    points = (field.origin + field.spacing * places).reshape(-1, 3)
+    distances, methods = index.signed_distance(points, method=True)
+    assert np.array_equal(field.distance.ravel(), distances) and np.array_equal(field.method.ravel(), methods)
+    assert field.distance.flags.f_contiguous
+    closest = index.closest(points).point
+    assert np.allclose(points - distances[:, None] * field.gradient.reshape(-1, 3), closest, atol=1e-12)
+    assert (points.min(axis=0) < mesh.bounds[0]).all() and (points.max(axis=0) > mesh.bounds[1]).all()
+
+    banded = index.distance_field(23, band=0.2, threads=1)
+    assert banded.gradient is None and banded.method is None
+    assert np.array_equal(banded.distance, np.clip(field.distance, -0.2, 0.2))
+    part = index.distance_field(spacing=0.25, margin=0, box=[[-1, 0, 0], [1, 0.5, 1]])
+    assert part.distance.shape == (9, 3, 5) and np.array_equal(part.origin, [-1, 0, 0]) and part.spacing == 0.25
+    for bad, says in ((dict(resolution=1), "resolution"), (dict(spacing=-1), "spacing"), (dict(band=0), "band"),
+                      (dict(margin=np.nan), "margin"), (dict(box=[[0, 0, 0]]), "box"), (dict(spacing=1e-9), "spacing")):
+        with pytest.raises(proxima.InvalidInput, match=says):
+            index.distance_field(**bad)
+    with pytest.raises(proxima.InvalidInput, match="signs"):
+        proxima.Index(mesh).distance_field(4)
+
+
 def test_files_and_pickles(tmp_path, mesh, points):
     index = proxima.Index(mesh, lists=True, distances=True, signs=True)
     index.save(tmp_path / "a.pxi")

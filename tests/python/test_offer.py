@@ -121,7 +121,13 @@ OFFERED = {
         "MinkowskiSum.half_space": "MinkowskiSum.half_spaces", "SurfacePoint.distance": "SumDistances.distance",
         "SurfacePoint.nearest": "SumDistances.nearest", "SurfacePoint.direction": "SumDistances.direction",
         "SurfacePoint.facet": "SumDistances.facet"},
-    "neighbourhood.h": {"collect_rings": "Topology.patch", "collect_triangles": "Index.within"},
+    "distance_field.h": {
+        "distance_field": "Field", "grid_around GridOptions.resolution GridOptions.spacing GridOptions.margin FieldOptions.band": "Index.distance_field",
+        "FieldOutputs.distances": "Field.distance", "FieldOutputs.gradients": "Field.gradient", "FieldOutputs.methods": "Field.method",
+        "PointGrid.origin": "Field.origin", "PointGrid.spacing": "Field.spacing", "PointGrid.size": "Field.distance"},
+    "neighbourhood.h": {"collect_rings": "Topology.patch", "collect_triangles": "Index.within", "collect_nearest": "Index.nearest",
+                        "visit_triangles": "Index.in_box", "NearTriangle.squared_distance": "Nearest.distance",
+                        "NearTriangle.triangle": "Nearest.triangle"},
     "octree.h": {
         "build_octree": "Octree", "octree_statistics": "Octree.statistics", "traverse": "Octree.leaves",
         "OctreeOptions.root OctreeOptions.max_depth OctreeOptions.threshold OctreeOptions.subdivision OctreeOptions.root_shape "
@@ -238,6 +244,7 @@ LEFT_OUT = {
         + NOT_YET, "MinkowskiSum.support": "a product of arrays: vertices @ direction",
         "MinkowskiSum.holds_line MinkowskiSum.is_all_of_space MinkowskiSum.is_bounded MinkowskiSum.is_ray":
         "unbounded polyhedra: " + NOT_YET, "MinkowskiSum.normal_factors MinkowskiSum.scale MinkowskiSum.scaled": STRUCTURE},
+    "distance_field.h": {"PointGrid.point PointGrid.position PointGrid.point_count": NAMES},
     "neighbourhood.h": {
         "collect_features NearestFeature.feature NearestFeature.squared": NOT_YET, "Neighbourhood.complete Neighbourhood.written": NAMES,
         "NeighbourhoodScratch.begin NeighbourhoodScratch.mark NeighbourhoodScratch.set_round NeighbourhoodScratch.triangle_count "
@@ -278,7 +285,7 @@ PYTHONS_OWN = {
     "PairLists.b Hits.t Hits.triangle Hits.u Hits.v": "columns of answers",
     "Hits.hit Pairs.intersecting PairLists.intersecting": "made of the columns",
     "Closest ClosestOne Hits Pairs Distances Leaves SumDistances Report Finding Repair SelfIntersections "
-    "Containments Contour CellsOnRays CellsOnRays.first Material Texture DeviceLimits Touch Contacts "
+    "Containments Contour Field Nearest CellsOnRays CellsOnRays.first Material Texture DeviceLimits Touch Contacts "
     "Contour.ids_b SelfIntersections.b": "tuples of columns",
     "ClosestOne.distance ClosestOne.point ClosestOne.triangle ClosestOne.feature_kind ClosestOne.feature ClosestOne.barycentric":
     "named as the columns of Closest",

@@ -112,7 +112,8 @@ def test_dtypes_of_columns():
     index = proxima.Index(mesh)
     answers = [index.closest([[0, 0, 3]]), index.cast([0, 0, 3], [[0, 0, -1]]), index.cast([0, 0, 3], [[0, 0, -1]], hits="all"),
                index.intersect(index), index.intersect(index, [[[1, 0, 0, 0], [0, 1, 0, 0], [0, 0, 1, 0]]]),
-               index.within([[0, 0, 1]], 1), proxima.Octree(mesh).leaves(), proxima.Polyhedron.of_mesh(mesh).facets,
+               index.within([[0, 0, 1]], 1), index.nearest([[0, 0, 1]], 2),
+               proxima.Index(mesh, signs=True).distance_field(2, gradient=True, method=True), proxima.Octree(mesh).leaves(), proxima.Polyhedron.of_mesh(mesh).facets,
                proxima.Topology(mesh).patch(index.closest([[0, 0, 3]]))]
     answers += [mesh.report(), proxima.Mesh(mesh.vertices[:3], [[0, 1, 2]]).report().findings[0], mesh.repair()]
     answers += [index.self_intersections(), index.contour(index, np.eye(4)[:3] + 0.1 * np.eye(3, 4, 3)),

@@ -3,6 +3,7 @@
 #include "base/disjoint_sets.h"
 #include "base/parallel.h"
 #include "base/progress.h"
+#include "geometry/closest_point.h"
 #include "geometry/exact_predicates.h"
 #include "geometry/triangle_contact.h"
 #include "geometry/triangle_distance.h"
@@ -246,26 +247,42 @@ Patches find_patches(const TriangleMesh& mesh, const Topology& topology,
     return patches;
 }
 
+/// Whether any but this triangle is within a distance of a point.
+bool is_near_another(const IndexParts& index, TriangleId id, const Vec3& p, double distance)
+{
+    // In the frame, where squares neither vanish nor overflow.
+    const double scale = index.scale();
+    const double reach = distance * scale;
+    NearWalk walk(index, {p, p}, reach * reach);
+    while (const IndexLeaf* const leaf = walk.next_leaf()) {
+        for (std::uint32_t row = leaf->first_row; row < leaf->first_row + leaf->count; ++row) {
+            if (index.id(row) == id) continue;
+            Triangle seen = index.triangle(row);
+            for (Vec3& corner : seen.vertices) corner = (corner - p) * scale;
+            if (closest_point(seen, Vec3::Zero()).point.norm() <= reach) return true;
+        }
+    }
+    return false;
+}
+
 /// The winding number in front of a triangle; nothing where rounding its middle may take that past
 /// another triangle. \pre winding numbers are whole
 std::optional<int> winding_in_front(const IndexParts& index, const Box& bounds,
                                     const TriangleMesh& mesh, TriangleId id)
 {
-    // Rounding moves the middle by less than 2^-51 of this, and triangles of a patch that meet at an
-    // edge are apart by a thin wedge.
-    constexpr double least_height = 0x1p-40;
+    constexpr double rounding = 0x1p-48; // more than that of the middle, in its coordinates
     const Triangle triangle = mesh.triangle(id);
+    const Vec3 middle =
+        triangle[0] + ((triangle[1] - triangle[0]) + (triangle[2] - triangle[0])) / 3.0;
     double size = 0;
     for (const Vec3& corner : triangle.vertices)
         size = std::max(size, corner.cwiseAbs().maxCoeff());
-    if (!(height_of(triangle, index.scale()) > least_height * size)) return std::nullopt;
+    if (is_near_another(index, id, middle, rounding * size)) return std::nullopt;
     int axis = 0;
     unit_normal_of(triangle).cwiseAbs().maxCoeff(&axis);
     const int along = cross_component_sign({triangle[0], triangle[1]},
                                            Displacement{triangle[0], triangle[2]}, axis);
     if (along == 0) return std::nullopt;
-    const Vec3 middle =
-        triangle[0] + ((triangle[1] - triangle[0]) + (triangle[2] - triangle[0])) / 3.0;
     const RigidTransform turn = turn_to_x(axis);
     int others = 0;
     visit_crossings(index, bounds, turn, turn(middle), [&](std::uint32_t row, int crossing) {

@@ -275,12 +275,12 @@ HWY_INLINE void prefetch_row_of(const TriangleRow<Scalar>& row)
 }
 
 /// Shrinks the ball and takes candidates. The first `count` of the triangles are asked for, the
-/// others have corners of these; row_of(lane) is where one is.
-template <class Scalar, class RowOf>
-PROXIMA_STEP void take_triangles(const IndexParts& index, std::span<const TriangleRow<Scalar>> rows,
-                                 const TriangleDistances& distances, std::uint32_t count,
-                                 float extent, const RowOf& row_of, const Vec3& p,
-                                 IndexQuery& query)
+/// others have corners of these; row_of(lane) is where one is. prefetch(row) fetches it, settle()
+/// looks at the candidates that there are and forgets them.
+template <class RowOf, class Prefetch, class Settle>
+PROXIMA_STEP void take_triangles(const TriangleDistances& distances, std::uint32_t count,
+                                 float extent, const RowOf& row_of, const Prefetch& prefetch,
+                                 const Settle& settle_candidates, IndexQuery& query)
 {
     query.shrink(least_of(distances.squared), extent);
     const float limit = query.limit(extent);
@@ -291,14 +291,14 @@ PROXIMA_STEP void take_triangles(const IndexParts& index, std::span<const Triang
     HWY_ALIGN float squared[8];
     store_eight(distances.squared, squared);
     if (query.candidate_count + 8 > query.candidates.size()) [[unlikely]] {
-        settle(index, rows, p, query);
+        settle_candidates();
         query.shrink_to_best();
     }
     query.extent = HWY_MAX(query.extent, extent);
     for (std::uint32_t left = bits; left != 0; left &= left - 1) {
         const auto lane = static_cast<std::uint32_t>(std::countr_zero(left));
         const std::uint32_t row = row_of(lane);
-        prefetch_row_of(rows[row]);
+        prefetch(row);
         query.candidates[query.candidate_count++] = {
             (sound >> lane & 1U) != 0 ? squared[lane] : 0.0F, row};
     }
@@ -316,8 +316,10 @@ PROXIMA_STEP void visit_leaf(const IndexParts& index, std::span<const TriangleRo
                              IndexQuery& query)
 {
     take_triangles(
-        index, rows, distances_of(triangles_of(leaf), lanes), leaf.count, extent_of(leaf),
-        [&](std::uint32_t lane) { return leaf.first_row + lane; }, p, query);
+        distances_of(triangles_of(leaf), lanes), leaf.count, extent_of(leaf),
+        [&](std::uint32_t lane) { return leaf.first_row + lane; },
+        [&](std::uint32_t row) { prefetch_row_of(rows[row]); },
+        [&] { settle(index, rows, p, query); }, query);
 }
 
 /// One block. False where the search has ended.

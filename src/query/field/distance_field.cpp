@@ -5,6 +5,7 @@
 #include "base/text.h"
 #include "geometry/exact_predicates.h"
 #include "index/index_parts.h"
+#include "index/signs/sign_geometry.h"
 #include "index/signs/sign_parts.h"
 #include "query/closest/describe_closest.h"
 #include "query/closest/winding_side.h"
@@ -48,12 +49,34 @@ public:
                     if (!(distance <= band_)) {
                         put(row + x, is_inside(p) ? -band_ : band_, Vec3::Zero(),
                             SignMethod::winding_number);
-                    } else if (is_plain) {
+                    } else if (is_plain && distance > 0) {
                         to_.distances[row + x] = is_inside(p) ? -distance : distance;
                     } else {
                         describe(row + x, p, *found);
                     }
                     if (!answers.found.empty()) ++found;
+                }
+            }
+        }
+    }
+
+    /// By single queries.
+    void write_one_by_one(const GridBlock& block) const
+    {
+        const auto [width, height, depth] = block.size;
+        const auto [i, j, k] = block.first;
+        for (std::uint32_t z = 0; z < depth; ++z) {
+            for (std::uint32_t y = 0; y < height; ++y) {
+                for (std::uint32_t x = 0; x < width; ++x) {
+                    const Vec3 p = grid_.point(i + x, j + y, k + z);
+                    const std::size_t at = grid_.position(i + x, j + y, k + z);
+                    const SignedDistance answer = *signed_distance(index_, p);
+                    if (std::abs(answer.distance) <= band_) {
+                        put_answer(at, p, answer);
+                    } else {
+                        put(at, std::copysign(band_, answer.distance), Vec3::Zero(),
+                            SignMethod::winding_number);
+                    }
                 }
             }
         }
@@ -68,19 +91,31 @@ private:
     void describe(std::size_t at, const Vec3& p, const RowDistance& found) const
     {
         // Not nothing: the index has signs and the point is finite.
-        const SignedDistance answer = *sign_of(index_, describe_closest(parts_, found), p);
-        Vec3 gradient = Vec3::Zero();
-        if (!to_.gradients.empty()) gradient = gradient_of(answer, p);
-        put(at, answer.distance, gradient, answer.method);
+        put_answer(at, p, *sign_of(index_, describe_closest(parts_, found), p));
+    }
+
+    void put_answer(std::size_t at, const Vec3& p, const SignedDistance& answer) const
+    {
+        put(at, answer.distance,
+            to_.gradients.empty() ? Vec3(Vec3::Zero()) : gradient_of(answer, p), answer.method);
     }
 
     [[nodiscard]] Vec3 gradient_of(const SignedDistance& answer, const Vec3& p) const
     {
-        const Vec3 away = (p - answer.closest.point).stableNormalized();
-        if (answer.distance != 0 && !away.isZero()) return answer.distance > 0 ? away : Vec3(-away);
-        const std::uint32_t row = parts_.signs()->arrays().rows[to_index(answer.closest.triangle)];
-        const Triangle triangle = parts_.triangle(row);
-        return unit_normal({triangle[0], triangle[1]}, {triangle[0], triangle[2]});
+        const ClosestFeature& closest = answer.closest;
+        const Triangle triangle =
+            parts_.triangle(parts_.signs()->arrays().rows[to_index(closest.triangle)]);
+        if (answer.distance == 0) return unit_normal_of(triangle);
+        const double sign = answer.distance > 0 ? 1 : -1;
+        if (closest.feature.kind == FeatureKind::face) {
+            const int side = orient3d(triangle[0], triangle[1], triangle[2], p);
+            return (side < 0 ? -sign : sign) * unit_normal_of(triangle);
+        }
+        // Of differences alone: the closest point itself is rounded.
+        Vec3 away = Vec3::Zero();
+        for (std::size_t k = 0; k < 3; ++k)
+            away += closest.barycentric[k] * (p - triangle[static_cast<int>(k)]);
+        return sign * away.stableNormalized();
     }
 
     void put(std::size_t at, double distance, const Vec3& gradient, SignMethod method) const
@@ -98,6 +133,12 @@ private:
     bool is_closed_;
 };
 
+/// Whether squares of the mesh's lengths, and of much smaller ones, are well within the doubles.
+bool has_squares(const IndexParts& index) noexcept
+{
+    return index.scale() > 0x1p-400 && index.scale() < 0x1p400;
+}
+
 Status check_arguments(const MeshIndex& index, const PointGrid& grid, const FieldOutputs& outputs,
                        double band)
 {
@@ -107,6 +148,8 @@ Status check_arguments(const MeshIndex& index, const PointGrid& grid, const Fiel
     if (!index.has_signs()) return bad("the index has no signs: call with_signs first", "index");
     if (std::ranges::find(grid.size, 0U) != grid.size.end())
         return bad("a grid without points", "grid");
+    const double points = static_cast<double>(grid.size[0]) * grid.size[1] * grid.size[2];
+    if (points > static_cast<double>(max_grid_points)) return bad("more than 2^40 points", "grid");
     if (!(grid.spacing > 0)) return bad("the spacing is no positive number", "grid");
     const Vec3 last = grid.point(grid.size[0] - 1, grid.size[1] - 1, grid.size[2] - 1);
     if (!grid.origin.allFinite() || !(last - grid.origin).allFinite())
@@ -147,8 +190,12 @@ Status distance_field(const MeshIndex& index, const PointGrid& grid, const Field
                 block.first[axis] = static_cast<std::uint32_t>(place[axis]) * grid_block_side;
                 block.size[axis] = std::min(grid_block_side, grid.size[axis] - block.first[axis]);
             }
-            search_grid(index.parts(), grid, block, options.band,
-                        [&](const GridAnswers& answers) { writer.write(answers); });
+            if (has_squares(index.parts())) {
+                search_grid(index.parts(), grid, block, options.band,
+                            [&](const GridAnswers& answers) { writer.write(answers); });
+            } else {
+                writer.write_one_by_one(block);
+            }
             advance_stage(progress, std::size_t{block.size[0]} * block.size[1] * block.size[2]);
         });
     if (is_cancelled(progress)) return cancelled("filling the distance field");

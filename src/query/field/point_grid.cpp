@@ -8,8 +8,6 @@ namespace proxima {
 
 namespace {
 
-constexpr double most_points = 0x1p40;
-
 tl::unexpected<Error> bad_grid(const char* what, const char* where)
 {
     return fail(ErrorCode::invalid_argument, what, where);
@@ -30,12 +28,11 @@ Result<PointGrid> grid_around(const Box& box, const GridOptions& options)
         return bad_grid("a resolution below 2 has no spacing", "resolution");
     const double longest = box.extent().maxCoeff();
     const Vec3 extent = box.extent() + Vec3::Constant(2 * options.margin * longest);
+    if (!extent.allFinite()) return bad_grid("the margin makes the grid endless", "margin");
     PointGrid grid;
     grid.spacing =
         options.spacing > 0 ? options.spacing : extent.maxCoeff() / (options.resolution - 1.0);
-    if (!(grid.spacing > 0)) {
-        return bad_grid("the box is a point: give a spacing", "spacing");
-    }
+    if (!(grid.spacing > 0)) return bad_grid("the box is too small: give a spacing", "spacing");
     double points = 1;
     std::array<double, 3> counts{};
     for (std::size_t axis = 0; axis < 3; ++axis) {
@@ -44,7 +41,7 @@ Result<PointGrid> grid_around(const Box& box, const GridOptions& options)
         counts[axis] = std::max(std::ceil(steps * (1 - 0x1p-40)), 1.0) + 1;
         points *= counts[axis];
     }
-    if (!(points <= most_points)) {
+    if (!(points <= static_cast<double>(max_grid_points))) {
         return fail(
             ErrorCode::invalid_argument,
             concat("a spacing of ", grid.spacing, " makes ", points, " points: 2^40 are the most"),

@@ -2,6 +2,7 @@
 
 #include "index/index_parts.h"
 #include "index/visit_near.h"
+#include "query/closest/find_closest.h"
 
 #include <algorithm>
 #include <array>
@@ -10,6 +11,11 @@
 #include <cstddef>
 #include <limits>
 #include <vector>
+
+// Eight floats fill a register of AVX2: AVX-512 is no quicker here. Processors older than AVX2 do
+// without lanes, which keeps the library small.
+#undef HWY_DISABLED_TARGETS
+#define HWY_DISABLED_TARGETS (HWY_SSSE3 | HWY_SSE4 | HWY_AVX3 | HWY_AVX3_DL)
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "query/field/search_grid.cpp"
@@ -302,11 +308,20 @@ PROXIMA_STEP std::uint32_t may_be_closest(const LeafBoxes::Group& group, const C
         box);
 }
 
-template <class Scalar>
+/// As settle, for floats or doubles. Called: what is copied into the walk is for both.
+HWY_NOINLINE inline void settle_any(const IndexParts& index, const Vec3& p, IndexQuery& query)
+{
+    if (index.double_rows().empty()) {
+        settle(index, index.float_rows(), p, query);
+    } else {
+        settle(index, index.double_rows(), p, query);
+    }
+}
+
 class GridWalk {
 public:
-    GridWalk(GridSearch& search, std::span<const TriangleRow<Scalar>> rows)
-        : search_(search), index_(search.index), rows_(rows), blocks_(index_.blocks().data())
+    explicit GridWalk(GridSearch& search)
+        : search_(search), index_(search.index), blocks_(index_.blocks().data())
     {
         const PointGrid& grid = search.grid;
         const Vec3 last = grid.point(grid.size[0] - 1, grid.size[1] - 1, grid.size[2] - 1);
@@ -321,21 +336,30 @@ public:
         const Box box = points_box(search_.grid, block);
         const GridBall ball(box);
         if (!is_near(ball)) return search_one_by_one(block);
-        const RowDistance middle = search_index(index_, rows_, ball.middle, infinite);
+        const RowDistance middle = find_closest(index_, ball.middle, infinite);
         const double distance = to_mesh_unit(middle);
         if (is_beyond(ball, distance)) return search_.take({block, {}, true});
         LeafBoxes& leaves = search_.leaves[0];
         leaves.clear();
         const double reach = reach_of(ball, distance);
         NearWalk walk(index_, box, reach * reach);
-        while (const IndexLeaf* const leaf = walk.next_leaf())
+        while (const IndexLeaf* const leaf = walk.next_leaf()) {
+            if (leaves.size() >= most_leaves(block))
+                return search_as_neighbours(block, ball, middle);
             leaves.add(*leaf, position_of(*leaf));
+        }
         descend(block, 0, box, ball, middle);
     }
 
 private:
     static constexpr double infinite = std::numeric_limits<double>::infinity();
     static constexpr std::uint32_t no_leaf = ~std::uint32_t{0};
+    /// To look at so many takes longer than to search the tree for each point.
+    [[nodiscard]] static std::size_t most_leaves(const GridBlock& block) noexcept
+    {
+        return 2 * std::size_t{block.size[0]} * block.size[1] * block.size[2];
+    }
+
     /// The pieces of a block, cut in two along each axis that is longer than half of the longest.
     template <class Visit>
     static void for_each_piece(const GridBlock& block, const Visit& visit)
@@ -359,8 +383,7 @@ private:
                  const RowDistance& middle)
     {
         const LeafBoxes& leaves = search_.leaves[level];
-        const std::size_t points = std::size_t{block.size[0]} * block.size[1] * block.size[2];
-        if (leaves.size() > 2 * points) return search_as_neighbours(block, ball, middle);
+        if (leaves.size() >= most_leaves(block)) return search_as_neighbours(block, ball, middle);
         if (*std::ranges::max_element(block.size) > 8) {
             return for_each_piece(block, [&](const GridBlock& piece) {
                 enter(piece, level, ball, to_mesh_unit(middle));
@@ -436,7 +459,7 @@ private:
     }
 
     /// By the triangle that is closest to the middle.
-    [[nodiscard]] CoveredBox cover(const Box& box, const RowDistance& closest) const
+    [[nodiscard]] HWY_NOINLINE CoveredBox cover(const Box& box, const RowDistance& closest) const
     {
         const Vec3 middle = (box.center() - index_.center()) * index_.scale();
         const Vec3 half = 0.5 * box.extent() * index_.scale();
@@ -457,7 +480,7 @@ private:
         IndexQuery query;
         query.error = IndexQuery::rounding_from((middle.cwiseAbs() + half).maxCoeff());
         covered.rounding = 16 * query.error;
-        const Triangle triangle = rows_[closest.rank].corners();
+        const Triangle triangle = index_.triangle(closest.rank);
         EightTriangles lanes;
         for (int k = 0; k < 3; ++k) lanes.v[k] = frame_lanes(triangle[k]);
         const TriangleDistances distances =
@@ -495,8 +518,26 @@ private:
         descend(block, level + 1, box, ball, middle);
     }
 
+    template <class RowOf>
+    HWY_INLINE void take(const TriangleDistances& distances, std::uint32_t count, float extent,
+                         const RowOf& row_of, const Vec3& p, IndexQuery& query) const
+    {
+        take_triangles(
+            distances, count, extent, row_of, [&](std::uint32_t row) { prefetch_row(row); },
+            [&] { settle_any(index_, p, query); }, query);
+    }
+
+    HWY_INLINE void prefetch_row(std::uint32_t row) const
+    {
+        if (index_.double_rows().empty()) {
+            prefetch_row_of(index_.float_rows()[row]);
+        } else {
+            prefetch_row_of(index_.double_rows()[row]);
+        }
+    }
+
     /// The closest feature of p, in these leaves.
-    RowDistance search_leaves(const LeafBoxes& leaves, const Vec3& p, double known)
+    HWY_NOINLINE RowDistance search_leaves(const LeafBoxes& leaves, const Vec3& p, double known)
     {
         IndexQuery query;
         if (query.begin(index_, p, known) != QueryStart::near) return {};
@@ -504,7 +545,10 @@ private:
         const std::uint32_t begun = last_leaf_;
         const auto visit = [&](std::uint32_t leaf) {
             const float least = query.least;
-            visit_leaf(index_, rows_, blocks_[leaf].leaf, lanes, p, query);
+            const IndexLeaf& triangles = blocks_[leaf].leaf;
+            take(
+                distances_of(triangles_of(triangles), lanes), triangles.count, extent_of(triangles),
+                [&](std::uint32_t lane) { return triangles.first_row + lane; }, p, query);
             if (query.least < least) last_leaf_ = leaf;
         };
         if (begun != no_leaf) visit(begun);
@@ -519,22 +563,23 @@ private:
                 if (bits != 0) bits &= (squared <= eight(query.most)).bits();
             }
         }
-        settle(index_, rows_, p, query);
+        settle_any(index_, p, query);
         return query.best;
     }
 
     /// The same, in these triangles.
-    RowDistance search_triangles(const TriangleLanes& triangles, const Vec3& p, double known)
+    HWY_NOINLINE RowDistance search_triangles(const TriangleLanes& triangles, const Vec3& p,
+                                              double known)
     {
         IndexQuery query;
         if (query.begin(index_, p, known) != QueryStart::near) return {};
         const Eight3 lanes = lanes_of(query);
         for (const TriangleLanes::Group& group : triangles.groups()) {
-            take_triangles(
-                index_, rows_, distances_of(triangles_of(group), lanes), group.count, group.extent,
+            take(
+                distances_of(triangles_of(group), lanes), group.count, group.extent,
                 [&](std::uint32_t lane) { return group.rows[lane]; }, p, query);
         }
-        settle(index_, rows_, p, query);
+        settle_any(index_, p, query);
         return query.best;
     }
 
@@ -566,13 +611,12 @@ private:
         });
     }
 
-    /// Where a block has so many leaves that to look at all of them takes longer than the tree.
+    /// In the tree.
     void search_as_neighbours(const GridBlock& block, const GridBall& ball,
                               const RowDistance& middle)
     {
-        search_each(block, ball, middle, [&](const Vec3& p, double known) {
-            return search_index(index_, rows_, p, known);
-        });
+        search_each(block, ball, middle,
+                    [&](const Vec3& p, double known) { return find_closest(index_, p, known); });
     }
 
     /// As any other points, where floats tell nothing.
@@ -580,7 +624,7 @@ private:
     {
         begin_answers(block);
         for_each_point(block, [&](std::size_t at, const Vec3& p) {
-            search_.found[at] = search_index(index_, rows_, p, search_.band);
+            search_.found[at] = find_closest(index_, p, search_.band);
         });
         search_.take({block, search_.found, false});
     }
@@ -641,7 +685,6 @@ private:
 
     GridSearch& search_;
     const IndexParts& index_;
-    std::span<const TriangleRow<Scalar>> rows_;
     const IndexBlock* blocks_;
     double rounding_ = 0;
     std::uint32_t last_leaf_ = no_leaf;
@@ -649,11 +692,7 @@ private:
 
 void search_grid_block(GridSearch& search, const GridBlock& block)
 {
-    if (search.index.double_rows().empty()) {
-        GridWalk(search, search.index.float_rows()).run(block);
-    } else {
-        GridWalk(search, search.index.double_rows()).run(block);
-    }
+    GridWalk(search).run(block);
 }
 
 } // namespace proxima::HWY_NAMESPACE

@@ -75,8 +75,9 @@ void visit_rows(const IndexParts& index, std::span<const TriangleRow<Scalar>> ro
 {
     const RowScale scale{index.scale(), index.unscale()};
     constexpr double reach = 2; // of the mesh from the index's center, at least
-    visit_near(index, {p, p}, scale.unscale_squared(limit), [&](RowRange range) noexcept {
-        const auto group = rows.subspan(range.first, range.count);
+    NearWalk walk(index, {p, p}, limit);
+    while (const IndexLeaf* const leaf = walk.next_leaf()) {
+        const auto group = rows.subspan(leaf->first_row, leaf->count);
         std::array<double, 8> squared;
         triangle_distances(group, p, scale.up, squared);
         for (std::size_t i = 0; i < group.size() && limit >= 0; ++i) {
@@ -84,8 +85,8 @@ void visit_rows(const IndexParts& index, std::span<const TriangleRow<Scalar>> ro
             const double found = squared_distance_of(group[i], p, scale);
             if (found <= limit) limit = visit(group[i], found);
         }
-        return scale.unscale_squared(limit);
-    });
+        walk.shrink(limit);
+    }
 }
 
 /// The same for whatever rows there are. The radius is in the mesh's unit.
@@ -232,7 +233,10 @@ void visit_triangles(const MeshIndex& index, const Box& box,
                      FunctionRef<Flow(TriangleId)> visitor) noexcept
 {
     visit_triangles_in_box(index.parts(), box, [&](TriangleId id, const Triangle& triangle) {
-        return !triangle_overlaps_box(triangle, box) || visitor(id) == Flow::proceed;
+        // No more of the box than may matter: that is finite.
+        const Box own = bounding_box(triangle);
+        const Box common{own.lower.cwiseMax(box.lower), own.upper.cwiseMin(box.upper)};
+        return !triangle_overlaps_box(triangle, common) || visitor(id) == Flow::proceed;
     });
 }
 
@@ -243,7 +247,13 @@ Neighbourhood collect_nearest(const MeshIndex& index, const Vec3& p, std::span<N
     const RowScale scale{parts.scale(), parts.unscale()};
     const double limit = radius * scale.up * (radius * scale.up);
     Neighbourhood result;
-    if (buffer.empty()) return {.written = 0, .complete = parts.triangle_count() == 0};
+    if (buffer.empty()) {
+        visit_within(parts, p, radius, [&](const auto&, double) {
+            result.complete = false;
+            return -1.0;
+        });
+        return result;
+    }
     // A heap with the farthest at its top; distances are scaled until the end.
     visit_within(parts, p, radius, [&](const auto& row, double squared) {
         const NearTriangle found{squared, TriangleId{row.triangle_id()}};

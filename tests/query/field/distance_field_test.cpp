@@ -2,10 +2,12 @@
 
 #include "geometry/exact_predicates.h"
 #include "index/test_meshes.h"
+#include "proxima/index_io.h"
 #include "proxima/sample_meshes.h"
 #include "query/closest/signed_mesh.h"
 
 #include <cmath>
+#include <filesystem>
 #include <gtest/gtest.h>
 #include <map>
 #include <string>
@@ -74,6 +76,14 @@ void expect_single_answers(const Signed& of, const PointGrid& grid, double band 
             const Vec3 foot = p - single.distance * gradient;
             EXPECT_LT((foot - single.closest.point).norm(),
                       1e-12 * (p.norm() + std::abs(single.distance)));
+            EXPECT_NEAR(gradient.stableNorm(), 1, 1e-12);
+            if (single.closest.feature.kind == FeatureKind::face) {
+                // However near: along the normal, to the side where the point is or away from it.
+                const Triangle t = of.mesh.triangle(single.closest.triangle);
+                const double along = gradient.dot(unit_normal({t[0], t[1]}, {t[0], t[2]}));
+                const int side = orient3d(t[0], t[1], t[2], p);
+                EXPECT_NEAR(along, (single.distance > 0) == (side > 0) ? 1 : -1, 1e-9);
+            }
         } else if (!is_degenerate(of.mesh.triangle(single.closest.triangle))) {
             EXPECT_NEAR(gradient.norm(), 1, 1e-12);
         }
@@ -135,6 +145,52 @@ TEST(DistanceField, HasThemOnBrokenMeshesAndGridsOfAnyShape)
                           {.origin = Vec3(-100, -90, -80), .spacing = 13, .size = {17, 16, 15}});
 }
 
+TEST(DistanceField, HasThemWhereSquaresLeaveTheDoubles)
+{
+    for (const double size : {1e-200, 1e-160, 1e150, 1e160}) {
+        SCOPED_TRACE(size);
+        const Signed of(moved(sample_mesh("octahedron").value(),
+                              [&](const Vec3& p) { return Vec3(size * p); }));
+        const PointGrid grid = grid_of(of.mesh, 8);
+        Field field(grid);
+        std::vector<double> plain(grid.point_count());
+        for (const double band : {HUGE_VAL, 0.4 * size}) {
+            ASSERT_TRUE(field.fill(of.index, {.band = band}));
+            ASSERT_TRUE(distance_field(of.index, grid, {.distances = plain}, {.band = band}));
+            for_each_point(grid, [&](std::size_t at, const Vec3& p) {
+                const SignedDistance single = of.at(p);
+                const bool beyond = !(std::abs(single.distance) <= band);
+                const double wanted =
+                    beyond ? std::copysign(band, single.distance) : single.distance;
+                EXPECT_EQ(field.distances[at], wanted) << p.transpose();
+                EXPECT_EQ(plain[at], wanted) << p.transpose();
+            });
+        }
+    }
+}
+
+TEST(DistanceField, HasThemFromIndexesThatWereMovedOrSaved)
+{
+    const TriangleMesh ball = sample_mesh("icosphere:4").value();
+    const TriangleMesh bent = moved(ball, [](const Vec3& p) {
+        return Vec3(p.x() + 0.3 * p.y() * p.y(), 1.5 * p.y(), p.z() - 0.2 * p.x());
+    });
+    Signed of(ball);
+    of.index = with_signs(refit_index(build_mesh_index(ball).value(), bent).value()).value();
+    of.mesh = bent;
+    expect_single_answers(of, grid_of(bent, 40));
+    of.index = with_lists(of.index, {}).value_or(of.index);
+    const auto file = std::filesystem::temp_directory_path() / "distance_field_test.pxi";
+    Signed whole(bent);
+    ASSERT_TRUE(save_index(whole.index, file));
+    whole.index = load_index(file).value();
+    std::filesystem::remove(file);
+    expect_single_answers(whole, grid_of(bent, 30));
+    // Few points and many triangles: the tree is searched for each.
+    const Signed fine(sample_mesh("icosphere:6").value());
+    expect_single_answers(fine, grid_of(fine.mesh, 5));
+}
+
 TEST(DistanceField, IsThatOfASphere)
 {
     const Signed of(sample_mesh("icosphere:5").value());
@@ -183,6 +239,7 @@ TEST(DistanceField, RefusesBadArguments)
     refused(of.index, {.spacing = 1e308, .size = {2, 2, 9}}, 1, "finite");
     refused(of.index, {.origin = Vec3(NAN, 0, 0), .size = {2, 2, 2}}, 1, "finite");
     refused(of.index, {.size = {2, 0, 2}}, 1, "without points");
+    refused(of.index, {.size = {769546, 494770, 48448661}}, 1, "2^40"); // 2^64 + 4 points
     refused(of.index, good, 0, "band");
     refused(of.index, good, NAN, "band");
     refused(of.index, {.size = {2, 2, 3}}, 1, "12 points");
@@ -216,6 +273,7 @@ TEST(DistanceField, GridsReachRoundABox)
     EXPECT_TRUE(refused(box, {.margin = -1}));
     EXPECT_TRUE(refused(box, {.spacing = NAN}));
     EXPECT_TRUE(refused(box, {.spacing = 1e-6}));
+    EXPECT_TRUE(refused(box, {.margin = 1e308}));
 }
 
 } // namespace

@@ -319,6 +319,30 @@ TEST(NearestTriangles, AcceptOddQuestions)
     EXPECT_EQ(written(Vec3(NAN, 0, 0), infinite), 0U);
     EXPECT_EQ(written(Vec3(1e300, 0, 0), infinite), 3U);
     EXPECT_FALSE(collect_nearest(index, Vec3::Zero(), {}).complete);
+    EXPECT_TRUE(collect_nearest(index, Vec3::Zero(), {}, 0.5).complete);
+    // Where squares of the mesh's own unit vanish or overflow.
+    for (const double size : {1e-200, 1e160}) {
+        const TriangleMesh ball = moved(sample_mesh("icosphere:3").value(),
+                                        [&](const Vec3& p) { return Vec3(size * p); });
+        const MeshIndex whole = build_mesh_index(ball).value();
+        const MeshIndex plain = build_mesh_index(sample_mesh("icosphere:3").value()).value();
+        std::array<NearTriangle, 20> some{};
+        std::array<NearTriangle, 20> same{};
+        const Vec3 p(0.7, 0.2, 0.4);
+        ASSERT_EQ(collect_nearest(whole, size * p, some).written, 20U);
+        ASSERT_EQ(collect_nearest(plain, p, same).written, 20U);
+        std::set<TriangleId> ids;
+        std::set<TriangleId> wanted;
+        for (std::size_t i = 0; i < 20; ++i) {
+            ids.insert(some[i].triangle);
+            wanted.insert(same[i].triangle);
+        }
+        EXPECT_EQ(ids, wanted) << size;
+        std::vector<TriangleId> within(ball.triangle_count());
+        const double radius = 0.4;
+        EXPECT_EQ(collect_triangles(whole, size * p, size * radius, within).written,
+                  collect_triangles(plain, p, radius, within).written);
+    }
 }
 
 TEST(TrianglesInABox, AreThoseOfTheExactTest)
@@ -362,6 +386,16 @@ TEST(TrianglesInABox, AreThoseOfTheExactTest)
     EXPECT_EQ(collect_triangles(index, Box{}, buffer).written, 0U);
     EXPECT_EQ(collect_triangles(index, Box{Vec3::Constant(NAN), Vec3::Ones()}, buffer).written, 0U);
     constexpr double infinite = std::numeric_limits<double>::infinity();
+    const MeshIndex one =
+        build_mesh_index(mesh_of({Vec3(0, 0, -1), Vec3(1, 0, 2), Vec3(0, 1, 2)}, {{0, 1, 2}}))
+            .value();
+    const auto slab = [&](double low, double high) {
+        const Box box{Vec3(-infinite, -infinite, low), Vec3(infinite, infinite, high)};
+        return collect_triangles(one, box, buffer).written;
+    };
+    EXPECT_EQ(slab(0, 1), 1U);
+    EXPECT_EQ(slab(2, 3), 1U);
+    EXPECT_EQ(slab(2.5, infinite), 0U);
     EXPECT_EQ(
         collect_triangles(index, Box{Vec3::Constant(-infinite), Vec3::Constant(infinite)}, buffer)
             .written,
