@@ -36,7 +36,8 @@ public:
     /// \pre the options are limited to what the device can take
     ToolGuard(const ToolRenderOptions& options, const DeviceLimits& device);
 
-    /// What the device gets. \pre all finite, seconds > 0
+    /// What the device gets; zero for a force or torque that is not finite. \pre travel is finite,
+    /// seconds > 0
     [[nodiscard]] Wrench pass(const ToolPull& pull, double seconds, Patch patch) noexcept;
 
     /// As new.
