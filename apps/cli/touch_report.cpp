@@ -30,6 +30,11 @@ double percent(std::uint64_t part, std::uint64_t whole)
     return whole == 0 ? 0 : 100 * static_cast<double>(part) / static_cast<double>(whole);
 }
 
+std::string times(std::uint64_t count)
+{
+    return count == 1 ? std::string("once") : fmt::format("{} times", count);
+}
+
 /// Where a device does not have what was asked for.
 std::string less_text(const char* what, const char* unit, double asked, double used)
 {
@@ -48,6 +53,43 @@ Json latency_json(const LatencyHistogram& histogram)
             {"p99_9_ns", histogram.quantile(0.999)},
             {"p99_99_ns", histogram.quantile(0.9999)},
             {"max_ns", histogram.max()}};
+}
+
+std::string swings_text(const SwingReport& swings, Guard guard, std::uint64_t ticks, double seconds)
+{
+    const bool observes = guard == Guard::observe;
+    const double tick_seconds = seconds / static_cast<double>(std::max<std::uint64_t>(ticks, 1));
+    std::string text;
+    if (swings.swings > 0) {
+        text += fmt::format(
+            "walls: contacts swung without fading, {}; the guard {} damping of up to {:.3g} "
+            "N s/m, for {:.1f} s in all\n",
+            times(swings.swings), observes ? "would have added" : "added", swings.most_damping,
+            tick_seconds * static_cast<double>(swings.damped_ticks));
+    }
+    if (swings.softenings > 0) {
+        text += fmt::format(
+            "walls: contacts went on swinging, {}; the guard {} the force, down to {:.3g} of "
+            "it, for {:.1f} s at most and {:.1f} s in all. Less stiffness or more damping helps: "
+            "see \"Walls that are too stiff\" in docs/devices.md\n",
+            times(swings.softenings), observes ? "would have softened" : "softened",
+            swings.lowest_softness, swings.longest_softening,
+            tick_seconds * static_cast<double>(swings.softened_ticks));
+    }
+    return text;
+}
+
+void add_swings_json(Json& json, const SwingReport& swings, Guard guard)
+{
+    json["guard"] = guard_name(guard);
+    json["damped_ticks"] = swings.damped_ticks;
+    json["softened_ticks"] = swings.softened_ticks;
+    json["lowest_softness"] = swings.lowest_softness;
+    json["swings"] = swings.swings;
+    json["softenings"] = swings.softenings;
+    json["most_damping"] = swings.most_damping;
+    json["longest_softening"] = swings.longest_softening;
+    json["most_given"] = swings.most_given;
 }
 
 /// From the first tick to the last; 0 where there is one at most.
@@ -77,38 +119,6 @@ std::string counters_text(const TouchModel& model, const TouchResult& result)
         percent(quality.sticking_ticks, quality.ticks), quality.max_speed, quality.limited_ticks,
         quality.overloaded_ticks, quality.faulty_ticks, quality.max_step_ratio,
         quality.max_turn_degrees, quality.taken_energy, result.clamped, result.slewed);
-}
-
-std::string times(std::uint64_t count)
-{
-    return count == 1 ? std::string("once") : fmt::format("{} times", count);
-}
-
-/// What the passivity guard saw and did, or would have done, in words; empty where all was calm.
-std::string swings_text(const TouchResult& result)
-{
-    const SwingReport& swings = result.swings;
-    const bool observes = result.render_options.guard == Guard::observe;
-    const double ticks = static_cast<double>(std::max<std::uint64_t>(result.quality.ticks, 1));
-    const double seconds = result.session_seconds;
-    std::string text;
-    if (swings.swings > 0) {
-        text += fmt::format(
-            "walls: contacts swung without fading, {}; the guard {} damping of up to {:.3g} "
-            "N s/m, for {:.1f} s in all\n",
-            times(swings.swings), observes ? "would have added" : "added", swings.most_damping,
-            seconds * static_cast<double>(swings.damped_ticks) / ticks);
-    }
-    if (swings.softenings > 0) {
-        text += fmt::format(
-            "walls: contacts went on swinging, {}; the guard {} the force, down to {:.3g} of "
-            "it, for {:.1f} s at most and {:.1f} s in all. Less stiffness or more damping helps: "
-            "see \"Walls that are too stiff\" in docs/devices.md\n",
-            times(swings.softenings), observes ? "would have softened" : "softened",
-            swings.lowest_softness, swings.longest_softening,
-            seconds * static_cast<double>(swings.softened_ticks) / ticks);
-    }
-    return text;
 }
 
 /// The guards that did something, in a line; empty where all was calm.
@@ -161,7 +171,7 @@ std::string touch_text(const TouchReportOf& of, const TouchModel& model, const T
         percent(quality.touching_ticks, quality.ticks), quality.max_force, 1e3 * quality.max_depth,
         times(quality.passes));
     text += of.verbose ? counters_text(model, result) : guards_text(result);
-    text += swings_text(result);
+    text += swings_text(result.swings, render.guard, quality.ticks, result.session_seconds);
     text += texture_text(render.texture, result.texture);
     text += fmt::format("computing a force: {}\n", microseconds(result.render));
     text += objects_text(model, quality);
@@ -218,24 +228,14 @@ Json touch_json(const TouchReportOf& of, const TouchModel& model, const TouchRes
                  {"taken_energy", quality.taken_energy},
                  {"max_moves", quality.max_moves},
                  {"clamped_ticks", result.clamped},
-                 {"slewed_ticks", result.slewed},
-                 {"guard", guard_name(render.guard)},
-                 {"damped_ticks", result.swings.damped_ticks},
-                 {"softened_ticks", result.swings.softened_ticks},
-                 {"lowest_softness", result.swings.lowest_softness},
-                 {"swings", result.swings.swings},
-                 {"softenings", result.swings.softenings},
-                 {"most_damping", result.swings.most_damping},
-                 {"longest_softening", result.swings.longest_softening},
-                 {"most_given", result.swings.most_given},
-                 {"texture", texture_json(render.texture)},
-                 {"texture_report", texture_json(result.texture)},
-                 {"tick", latency_json(result.render)},
-                 {"servo", nullptr},
-                 {"replay_differences", nullptr},
-                 {"patches", nullptr},
-                 {"objects", objects_json(model, quality)},
-                 {"engine", engine_json(result)}};
+                 {"slewed_ticks", result.slewed}};
+    add_swings_json(json, result.swings, render.guard);
+    json["texture"] = texture_json(render.texture);
+    json["texture_report"] = texture_json(result.texture);
+    json["tick"] = latency_json(result.render);
+    for (const char* const name : {"servo", "replay_differences", "patches"}) json[name] = nullptr;
+    json["objects"] = objects_json(model, quality);
+    json["engine"] = engine_json(result);
     add_device_json(json, result.device ? &*result.device : nullptr, render.force.damping);
     if (of.differences) {
         json["replay_differences"] = *of.differences;

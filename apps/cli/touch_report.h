@@ -13,6 +13,13 @@ namespace proxima {
 /// Quantiles of times: p50_ns and so on.
 [[nodiscard]] nlohmann::ordered_json latency_json(const LatencyHistogram& histogram);
 
+/// What the passivity guard saw and did, or would have done, of so many ticks; in words, empty where
+/// all was calm.
+[[nodiscard]] std::string swings_text(const SwingReport& swings, Guard guard, std::uint64_t ticks,
+                                      double seconds);
+/// Likewise as members of an object.
+void add_swings_json(nlohmann::ordered_json& json, const SwingReport& swings, Guard guard);
+
 /// What the report is of.
 struct TouchReportOf {
     std::string model;

@@ -4,7 +4,9 @@
 #include "cli/names.h"
 #include "cli/touch_device.h"
 #include "cli/touch_options.h"
+#include "cli/touch_report.h"
 #include "haptics/tool/rigid_motion.h"
+#include "haptics/tool/tool_guard.h"
 #include "haptics/tool/tool_recording.h"
 #include "proxima/device.h"
 #include "proxima/intersect_meshes.h"
@@ -76,6 +78,7 @@ struct ToolAccount {
     LatencyHistogram processor; ///< by the thread's processor time
     std::uint64_t missed = 0;   ///< deadlines
     bool interrupted = false;
+    SwingReport swings;                            ///< what the passivity guard saw and did
     std::optional<std::uint64_t> differences = {}; ///< ticks of a replay with other bits
 
     /// One tick of the renderer, timed.
@@ -156,6 +159,7 @@ struct ToolSession {
     const MeshIndex& tool;
     double tick_seconds = 1e-3;
     double max_torque = 0; ///< of the device
+    Guard guard = Guard::on;
 };
 
 constexpr std::string_view row_header =
@@ -184,6 +188,8 @@ Status report_tool(const ToolSession& of, const ToolAccount& account,
         text += fmt::format("{} ticks felt nothing: the tool began inside and was not out yet\n",
                             account.unplaced);
     }
+    const double seconds = of.tick_seconds * static_cast<double>(account.ticks);
+    text += swings_text(account.swings, of.guard, account.ticks, seconds);
     if (account.differences)
         text += fmt::format("{} ticks have other forces than recorded\n", *account.differences);
     text += times_text("a tick by the clock", account.tick);
@@ -199,29 +205,30 @@ Status report_tool(const ToolSession& of, const ToolAccount& account,
         if (!written) return written;
         session.print(fmt::format("wrote {}\n", of.options.ticks));
     }
-    return session.write_json(
-        {{"model", of.model_name},
-         {"triangles", of.model.triangle_count()},
-         {"tool", of.options.tool},
-         {"tool_triangles", of.tool.triangle_count()},
-         {"device", of.device},
-         {"ticks", account.ticks},
-         {"interrupted", account.interrupted},
-         {"replay_differences", account.differences ? Json(*account.differences) : Json()},
-         {"touching_ticks", account.touching},
-         {"entered_ticks", account.entered},
-         {"unplaced_ticks", account.unplaced},
-         {"limited_ticks", account.limited},
-         {"cut_short_ticks", account.cut_short},
-         {"overloaded_ticks", account.overloaded},
-         {"max_near_pairs", account.max_near},
-         {"max_force", account.max_force},
-         {"max_torque", account.max_torque},
-         {"max_spring_torque", account.max_spring_torque},
-         {"max_stretch", account.max_stretch},
-         {"clock", json_of(account.tick)},
-         {"processor", json_of(account.processor)},
-         {"missed_deadlines", account.missed}});
+    Json json = {{"model", of.model_name},
+                 {"triangles", of.model.triangle_count()},
+                 {"tool", of.options.tool},
+                 {"tool_triangles", of.tool.triangle_count()},
+                 {"device", of.device},
+                 {"ticks", account.ticks},
+                 {"interrupted", account.interrupted},
+                 {"replay_differences", account.differences ? Json(*account.differences) : Json()},
+                 {"touching_ticks", account.touching},
+                 {"entered_ticks", account.entered},
+                 {"unplaced_ticks", account.unplaced},
+                 {"limited_ticks", account.limited},
+                 {"cut_short_ticks", account.cut_short},
+                 {"overloaded_ticks", account.overloaded},
+                 {"max_near_pairs", account.max_near},
+                 {"max_force", account.max_force},
+                 {"max_torque", account.max_torque},
+                 {"max_spring_torque", account.max_spring_torque},
+                 {"max_stretch", account.max_stretch}};
+    add_swings_json(json, account.swings, of.guard);
+    json["clock"] = json_of(account.tick);
+    json["processor"] = json_of(account.processor);
+    json["missed_deadlines"] = account.missed;
+    return session.write_json(json);
 }
 
 /// Plays a recorded session again.
@@ -260,9 +267,10 @@ Status replay_tool(const ToolCommandOptions& options, const std::string& touched
         if (!same_response(recorded(state, felt), tick)) ++*account.differences;
         if (!options.ticks.empty()) kept.push_back(felt);
     }
-    return report_tool(
-        {options, touched, device, index, *tool, settings.tick_seconds, settings.max_torque},
-        account, kept, session);
+    account.swings = guard_of(*renderer).passivity().report();
+    return report_tool({options, touched, device, index, *tool, settings.tick_seconds,
+                        settings.max_torque, settings.render.guard},
+                       account, kept, session);
 }
 
 } // namespace
@@ -333,6 +341,7 @@ Status run_tool(const ToolCommandOptions& options, const std::string& model_name
     render.static_friction = settings.render.static_friction;
     render.dynamic_friction = settings.render.dynamic_friction;
     render.max_jump = settings.render.max_jump;
+    render.guard = settings.render.guard;
     render.clearance = options.clearance;
     render.max_work = options.max_work;
     auto renderer =
@@ -381,11 +390,12 @@ Status run_tool(const ToolCommandOptions& options, const std::string& model_name
             return account.ticks >= last + release_ticks ? Flow::stop : Flow::proceed;
         });
     account.missed = servo.missed;
+    account.swings = guard_of(*renderer).passivity().report();
     account.interrupted = last < ticks;
     kept.resize(std::min<std::size_t>(kept.size(), account.ticks));
     recording.ticks.resize(std::min<std::size_t>(recording.ticks.size(), account.ticks));
     const ToolSession of = {options, model_name,   settings.device.device, touched.index,
-                            *tool,   tick_seconds, options.max_torque};
+                            *tool,   tick_seconds, options.max_torque,     render.guard};
     if (!record.empty()) {
         if (Status status = save_tool_recording(recording, record, nullptr); !status) return status;
         session.print(fmt::format("wrote {}\n", record));

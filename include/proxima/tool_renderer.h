@@ -12,7 +12,7 @@
 //     });
 //
 //     device ─▶ proxy: the pose nearest to the device's in which the tool enters nothing
-//                 └─▶ springs for displacement and rotation ─▶ ramps, limits, slew limits ─▶ device
+//                 └─▶ springs for displacement and rotation ─▶ passivity ─▶ ramps, limits, slew
 //
 // The proxy moves by Gauss' principle of least constraint ([ortega-2007]): of all motions that the
 // contacts allow it makes the one that leaves the least energy in the springs. Between two poses the
@@ -53,6 +53,9 @@ struct ToolRenderOptions {
     double static_friction = 0.4;
     double dynamic_friction = 0.3; ///< at most static_friction
     double max_torque_slew = 200;  ///< N m/s
+    /// Whether springs that are too stiff are damped and softened, force and torque together. A turn
+    /// counts as the displacement that it makes at 1/32 m (docs/haptic_tools.md).
+    Guard guard = Guard::on;
     /// m between the tool and the objects where they touch; half of it is always kept. At least 2^-30
     /// of the scene's size.
     double clearance = 1e-5;
@@ -120,7 +123,8 @@ public:
     /// `well`. \pre seconds > 0
     const ToolTick& tick(const DeviceState& state, double seconds) noexcept;
 
-    /// Starts anew with the same options: the next tick places the tool as the first one did.
+    /// Starts anew with the same options: the next tick places the tool as the first one did, and the
+    /// guard has seen nothing.
     void reset() noexcept;
 
     /// What the last tick returned.

@@ -5,11 +5,12 @@ from proxima_program import ProgramTest
 
 KEYS = ["model", "triangles", "tool", "tool_triangles", "device", "ticks", "interrupted", "replay_differences", "touching_ticks", "entered_ticks", "unplaced_ticks",
         "limited_ticks", "cut_short_ticks", "overloaded_ticks", "max_near_pairs", "max_force", "max_torque", "max_spring_torque", "max_stretch",
+        "guard", "damped_ticks", "softened_ticks", "lowest_softness", "swings", "softenings", "most_damping", "longest_softening", "most_given",
         "clock", "processor", "missed_deadlines"]
 
 
 class Tools(ProgramTest):
-    session = ("--tool", "cube", "--tool-scale", 0.1, "--device", "hand:press", "--turn", 20, "--seconds", 1, "--free-running")
+    session = ("--tool", "cube", "--tool-scale", 0.1, "--device", "hand:press", "--turn", 20, "--free-running", "--seconds", 1)
 
     def test_it_touches_and_enters_nothing(self):
         for torque in (0, 0.1):
@@ -59,8 +60,30 @@ class Tools(ProgramTest):
         # Points and tools have recordings of their own.
         self.refuse("touch", "torus:24x12", *replay, says="a.pxt")
 
+    def test_the_guard_damps_springs_that_swing(self):
+        swinging = ("--stiffness", 700, "--damping", 0, "--hand-damping", 0, "--device-damping", 0.1, "--delay", 3, "--max-torque", 0.1)
+        tables, results = {}, {}
+        for guard in ("off", "observe", "on"):
+            tables[guard] = self.folder / f"{guard}.csv"
+            results[guard] = self.json_of("touch", "cube", *self.session[:-2], "--seconds", 4, *swinging, "--guard", guard, "--ticks", tables[guard])
+            self.assertEqual(results[guard]["guard"], guard)
+            self.assertEqual(results[guard]["entered_ticks"], 0)
+        self.assertEqual(tables["observe"].read_bytes(), tables["off"].read_bytes())
+        self.assertEqual((results["off"]["swings"], results["off"]["damped_ticks"]), (0, 0))
+        for guard in ("observe", "on"):
+            self.assertGreater(results[guard]["swings"], 0)
+            self.assertTrue(0 < results[guard]["most_damping"] <= 5)
+            self.assertGreater(results[guard]["most_given"], 0)
+        # It is part of the session.
+        file = self.folder / "on.pxt"
+        self.json_of("touch", "cube", *self.session[:-2], "--seconds", 4, *swinging, "--record", file)
+        again = self.json_of("touch", "cube", "--tool", "cube", "--tool-scale", 0.1, "--device", f"replay:{file}")
+        self.assertEqual((again["guard"], again["replay_differences"]), ("on", 0))
+        self.assertEqual(again["damped_ticks"], results["on"]["damped_ticks"])
+        self.refuse("touch", "cube", "--tool", "cube", "--device", f"replay:{file}", "--guard", "off", says="--guard")
+
     def test_what_does_not_go_together(self):
-        for option, value in (("--radius", 0.001), ("--force", "penalty"), ("--guard", "off"),
+        for option, value in (("--radius", 0.001), ("--force", "penalty"),
                               ("--picture", self.folder / "a.png"), ("--patch", 1),
                               ("--object", "cube"), ("--texture", "viscosity:1"), ("--engine", "udp:0"),
                               ("--method", "thesis"), ("--graphics-rate", 10), ("--collision-rate", 10)):

@@ -3,6 +3,7 @@
 #include "base/binary_file.h"
 #include "base/text.h"
 #include "haptics/loop/check_recording.h"
+#include "haptics/loop/recorded_numbers.h"
 #include "proxima/topology.h"
 #include "proxima/touch_scene.h"
 
@@ -30,9 +31,6 @@ constexpr std::uint32_t first_version_with_objects = 3;
 constexpr std::uint32_t first_version_with_force_laws = 4;
 constexpr std::uint32_t first_version_with_messages = 5;
 constexpr std::uint32_t first_version_with_textures = 5;
-
-/// The greatest number that stands for a Guard.
-constexpr int last_guard = 2;
 
 /// The settings as numbers, in the order of the file.
 struct SettingNumbers {
@@ -114,13 +112,6 @@ Vec3 vector(const std::array<double, 3>& v) noexcept
     return {v[0], v[1], v[2]};
 }
 
-/// In the order in which they came: files without `observe` are read as they were meant.
-double guard_number(Guard guard) noexcept
-{
-    if (guard == Guard::observe) return 2;
-    return guard == Guard::on ? 1 : 0;
-}
-
 SettingNumbers numbers(const RecordingSettings& settings)
 {
     const RenderOptions& render = settings.render;
@@ -159,9 +150,7 @@ RecordingSettings settings_of(const SettingNumbers& numbers, std::uint64_t finge
                        .proxy_radius = numbers.proxy_radius,
                        .static_friction = numbers.static_friction,
                        .dynamic_friction = numbers.dynamic_friction,
-                       .guard = numbers.guard == guard_number(Guard::observe) ? Guard::observe
-                                : numbers.guard == guard_number(Guard::off)   ? Guard::off
-                                                                              : Guard::on,
+                       .guard = guard_of_number(numbers.guard),
                        .max_jump = numbers.max_jump,
                        .shading = numbers.shading != 0 ? ForceShading::on : ForceShading::off};
     settings.max_force = numbers.max_force;
@@ -199,16 +188,6 @@ MessageNumbers numbers(const SceneMessage& message)
     result.dynamic_friction = message.material.dynamic_friction;
     result.material_seconds = message.material_seconds;
     return result;
-}
-
-/// Error where a number that stands for one of a few is none of them: 0 to `most`.
-Status check_choice(const std::string& field, double value, int most)
-{
-    for (int choice = 0; choice <= most; ++choice)
-        if (value == choice) return {};
-    return fail(ErrorCode::malformed_file,
-                concat(field, " is ", value, " and must be a whole number ", "from 0 to ", most,
-                       ": record the session again"));
 }
 
 ObjectNumbers numbers(const ScriptedObject& object)
@@ -448,15 +427,6 @@ Result<Recording> recording_of(const BinaryFile& file)
     return recording;
 }
 
-Result<Recording> recording_of(const Result<BinaryFile>& file, const std::string& name)
-{
-    if (!file) return tl::unexpected(file.error());
-    auto recording = recording_of(*file);
-    if (!recording && recording.error().where.empty())
-        return fail(recording.error().code, recording.error().message, name);
-    return recording;
-}
-
 bool same_bits(const std::array<double, 3>& a, const std::array<double, 3>& b) noexcept
 {
     for (std::size_t i = 0; i < 3; ++i) {
@@ -536,14 +506,15 @@ Status save_recording(const Recording& recording, const std::filesystem::path& p
 
 Result<Recording> load_recording(const std::filesystem::path& path, Progress* progress)
 {
-    return recording_of(BinaryFile::open(path, format, {.progress = progress}), path.string());
+    return parsed(BinaryFile::open(path, format, {.progress = progress}), path.string(),
+                  recording_of);
 }
 
 Result<Recording> load_recording(std::span<const std::byte> bytes,
                                  std::shared_ptr<const void> storage, const std::string& name)
 {
-    return recording_of(
-        BinaryFile::read(bytes, std::move(storage), name, format, Verification::full), name);
+    return parsed(BinaryFile::read(bytes, std::move(storage), name, format, Verification::full),
+                  name, recording_of);
 }
 
 std::uint64_t count_differences(const Recording& recording, HapticRenderer& renderer) noexcept

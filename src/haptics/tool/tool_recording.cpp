@@ -2,6 +2,7 @@
 
 #include "base/binary_file.h"
 #include "base/text.h"
+#include "haptics/loop/recorded_numbers.h"
 
 #include <bit>
 #include <string_view>
@@ -12,7 +13,8 @@ namespace proxima {
 namespace {
 
 constexpr FileFormat tool_format = {
-    {'P', 'X', 'T', 'O', 'O', 'L', '\r', '\n'}, 1, "recording of a tool"};
+    {'P', 'X', 'T', 'O', 'O', 'L', '\r', '\n'}, 2, "recording of a tool"};
+constexpr std::uint32_t first_version_with_guard = 2;
 
 enum ToolSection : std::uint32_t {
     meshes_section = 1, ///< fingerprints: model, tool
@@ -30,7 +32,8 @@ struct SettingField {
     double most;
 };
 
-constexpr std::size_t setting_count = 24;
+constexpr std::size_t setting_count = 25;
+constexpr std::size_t setting_count_without_guard = 24;
 
 /// Coordinates and strengths are bounded so that no product of several overflows; what is narrower is
 /// checked by make_tool_renderer.
@@ -65,7 +68,8 @@ std::array<SettingField, setting_count> fields_of(const ToolRecordingSettings& s
              {"max_jump", render.max_jump, 0, strong},
              {"max_turn", render.max_turn, 0, strong},
              {"max_moves", static_cast<double>(render.max_moves), 1, 32},
-             {"max_work", static_cast<double>(render.max_work), 0, strong}}};
+             {"max_work", static_cast<double>(render.max_work), 0, strong},
+             {"guard", guard_number(render.guard), 0, last_guard}}};
 }
 
 ToolRecordingSettings settings_of(std::span<const double> n)
@@ -96,6 +100,7 @@ ToolRecordingSettings settings_of(std::span<const double> n)
     };
     settings.render.max_moves = size(n[22]);
     settings.render.max_work = size(n[23]);
+    settings.render.guard = n.size() > 24 ? guard_of_number(n[24]) : Guard::off;
     return settings;
 }
 
@@ -132,14 +137,20 @@ Result<ToolRecording> tool_recording_of(const BinaryFile& file)
     if (!numbers) return tl::unexpected(numbers.error());
     const auto ticks = file.section<RecordedToolTick>(tool_ticks_section);
     if (!ticks) return tl::unexpected(ticks.error());
-    if (meshes->size() != 2 || numbers->size() != setting_count)
+    const std::size_t count =
+        file.version() < first_version_with_guard ? setting_count_without_guard : setting_count;
+    if (meshes->size() != 2 || numbers->size() != count)
         return malformed("the settings of the recording are missing");
+    if (count == setting_count) {
+        Status guard = check_choice("guard", numbers->back(), last_guard);
+        if (!guard) return tl::unexpected(guard.error());
+    }
     ToolRecording recording;
     recording.settings = settings_of(*numbers);
     recording.settings.model_fingerprint = meshes->front();
     recording.settings.tool_fingerprint = meshes->back();
     const auto fields = fields_of(recording.settings);
-    for (std::size_t i = 0; i < setting_count; ++i) {
+    for (std::size_t i = 0; i < count; ++i) {
         const double value = (*numbers)[i];
         if (value >= fields[i].least && value <= fields[i].most) continue;
         return malformed(concat(fields[i].name, " is ", value, " and must be ", fields[i].least,
@@ -151,15 +162,6 @@ Result<ToolRecording> tool_recording_of(const BinaryFile& file)
                                 " and must be less than ", input_conditions));
     }
     recording.ticks.assign(ticks->begin(), ticks->end());
-    return recording;
-}
-
-Result<ToolRecording> tool_recording_of(const Result<BinaryFile>& file, const std::string& name)
-{
-    if (!file) return tl::unexpected(file.error());
-    auto recording = tool_recording_of(*file);
-    if (!recording && recording.error().where.empty())
-        return fail(recording.error().code, recording.error().message, name);
     return recording;
 }
 
@@ -229,16 +231,17 @@ Status save_tool_recording(const ToolRecording& recording, const std::filesystem
 
 Result<ToolRecording> load_tool_recording(const std::filesystem::path& path, Progress* progress)
 {
-    return tool_recording_of(BinaryFile::open(path, tool_format, {.progress = progress}),
-                             path.string());
+    return parsed(BinaryFile::open(path, tool_format, {.progress = progress}), path.string(),
+                  tool_recording_of);
 }
 
 Result<ToolRecording> load_tool_recording(std::span<const std::byte> bytes,
                                           std::shared_ptr<const void> storage,
                                           const std::string& name)
 {
-    return tool_recording_of(
-        BinaryFile::read(bytes, std::move(storage), name, tool_format, Verification::full), name);
+    return parsed(
+        BinaryFile::read(bytes, std::move(storage), name, tool_format, Verification::full), name,
+        tool_recording_of);
 }
 
 } // namespace proxima

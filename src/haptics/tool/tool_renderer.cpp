@@ -5,6 +5,7 @@
 #include "haptics/force/contact_force.h"
 #include "haptics/scene/scene_views.h"
 #include "haptics/scene/touch_access.h"
+#include "haptics/tool/tool_guard.h"
 #include "haptics/tool/tool_proxy.h"
 
 #include <algorithm>
@@ -44,13 +45,6 @@ ToolRenderOptions limited(ToolRenderOptions options, const DeviceLimits& device,
             options.force.stiffness * half_reach_metres * half_reach_metres;
     }
     return options;
-}
-
-ForceOptions torque_options(const ToolRenderOptions& options) noexcept
-{
-    ForceOptions torque = options.force;
-    torque.max_slew = options.max_torque_slew;
-    return torque;
 }
 
 ToolProxyOptions proxy_options(const ToolRenderOptions& options, const WorkspaceMap& map) noexcept
@@ -159,8 +153,7 @@ public:
         : view_(std::move(view)), map_(map), options_(options),
           gives_torque_(device.max_torque > 0),
           proxy_(std::move(tool), std::move(objects), proxy_options(options, map)),
-          force_(options.force, device.max_force),
-          torque_(torque_options(options), gives_torque_ ? device.max_torque : 1)
+          guard_(options, device)
     {}
 
     /// \pre check_tool_settings() holds, and the objects' poses are rigid
@@ -173,13 +166,18 @@ public:
     [[nodiscard]] const ToolTick& last() const noexcept { return tick_; }
     [[nodiscard]] std::span<const RigidTransform> path() const noexcept { return proxy_.path(); }
 
+    [[nodiscard]] const ToolGuard& guard() const noexcept { return guard_; }
+    [[nodiscard]] static const ToolSurfaceRenderer& of(const ToolRenderer& renderer) noexcept
+    {
+        return *renderer.renderer_;
+    }
+
     void reset() noexcept
     {
         tick_ = {};
         has_device_ = false;
         is_placed_ = false;
-        force_.restart();
-        torque_.restart();
+        guard_.reset();
     }
 
     const ToolTick& tick(const DeviceState& state, double seconds) noexcept
@@ -215,6 +213,7 @@ private:
     void accept(const DeviceState& state) noexcept
     {
         tick_.fault = InputFault::none;
+        travel_ = {};
         RigidTransform pose = state.pose;
         if (!is_usable({pose.rotation, map_.to_model(pose.translation)})) {
             tick_.fault = InputFault::not_finite;
@@ -226,8 +225,8 @@ private:
             if (!(step.linear.norm() <= options_.max_jump) ||
                 !(step.angular.norm() <= options_.max_turn)) {
                 tick_.fault = InputFault::jumped;
-                force_.restart();
-                torque_.restart();
+            } else {
+                travel_ = step;
             }
         }
         tick_.device = pose;
@@ -264,6 +263,7 @@ private:
         const Vec3 turn_rate =
             has_rate ? Vec3((stretch.angular - stretch_.angular) / seconds) : Vec3(Vec3::Zero());
         stretch_ = stretch;
+        const Twist ground = options_.guard != Guard::off ? ground_travel() : Twist{};
         tick_.spring_force =
             damped_spring(options_.force.stiffness, options_.force.damping, stretch.linear, rate);
         tick_.spring_torque = damped_spring(options_.torsional_stiffness,
@@ -272,12 +272,38 @@ private:
             tick_.fault != InputFault::not_finite && tick_.condition == InputCondition::well;
         const Patch patch = available ? Patch::available : Patch::lost;
         // The proxy may still be on its way after a jump: the force rises from the next tick on.
-        const bool jumped = tick_.fault == InputFault::jumped;
-        const Vec3 none = Vec3::Zero();
-        tick_.force = force_.pass(jumped ? none : tick_.spring_force, seconds, patch);
-        tick_.torque =
-            torque_.pass(jumped || !gives_torque_ ? none : tick_.spring_torque, seconds, patch);
-        tick_.force_scale = force_.ramp();
+        ToolPull pull;
+        pull.travel = {travel_.linear - ground.linear, travel_.angular - ground.angular};
+        pull.jumped = tick_.fault == InputFault::jumped;
+        if (!pull.jumped) {
+            pull.spring.force = options_.force.stiffness * stretch.linear;
+            pull.whole.force = tick_.spring_force;
+        }
+        if (!pull.jumped && gives_torque_) {
+            pull.spring.torque = options_.torsional_stiffness * stretch.angular;
+            pull.whole.torque = tick_.spring_torque;
+        }
+        const Wrench given = guard_.pass(pull, seconds, patch);
+        tick_.force = given.force;
+        tick_.torque = given.torque;
+        tick_.force_scale = guard_.ramp();
+    }
+
+    /// How far the touched objects moved the tool in this tick, a mean by pressure.
+    [[nodiscard]] Twist ground_travel() const noexcept
+    {
+        Twist sum;
+        if (view_ == nullptr) return sum;
+        double pressures = 0;
+        const Vec3& tip = tick_.proxy.translation;
+        for (const HeldContact& held : proxy_.contacts()) {
+            const SceneObject object = view_->object(ObjectId{held.object});
+            const Vec3 before = object.before(to_local(object.now, tip));
+            sum.linear += held.pressure / map_.units_per_metre * (tip - before);
+            sum.angular += held.pressure * twist_between(object.before, object.now).angular;
+            pressures += held.pressure;
+        }
+        return pressures > 0 ? sum.scaled(1 / pressures) : Twist{};
     }
 
     SceneView view_; ///< null without a scene
@@ -285,10 +311,10 @@ private:
     ToolRenderOptions options_;
     bool gives_torque_;
     ToolProxy proxy_;
-    ForceGuard force_;
-    ForceGuard torque_;
+    ToolGuard guard_;
     ToolTick tick_;
     Twist stretch_; ///< of the last tick, in metres
+    Twist travel_;  ///< of the device in this tick, m and rad
     bool has_device_ = false;
     bool is_placed_ = false;
 };
@@ -329,6 +355,11 @@ const ToolTick& ToolRenderer::last() const noexcept
 std::span<const RigidTransform> ToolRenderer::path() const noexcept
 {
     return renderer_->path();
+}
+
+const ToolGuard& guard_of(const ToolRenderer& renderer) noexcept
+{
+    return ToolSurfaceRenderer::of(renderer).guard();
 }
 
 Result<ToolRenderer> ToolSurfaceRenderer::make(const MeshIndex& tool,

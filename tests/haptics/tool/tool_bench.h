@@ -35,6 +35,7 @@ inline ToolRenderOptions plain_springs()
     options.torsional_stiffness = 0.5;
     options.static_friction = options.dynamic_friction = 0;
     options.max_torque_slew = 1e12;
+    options.guard = Guard::off;
     return options;
 }
 
@@ -71,6 +72,35 @@ inline TriangleMesh box_mesh(const Vec3& half, const Vec3& center = Vec3::Zero()
 {
     return moved(cube_mesh(Vec3::Zero(), 1.0),
                  [&](const Vec3& p) { return Vec3(center + half.cwiseProduct(p)); });
+}
+
+/// A block from z = -0.03 to `top` with a square hole through it, `room` on each side of a square peg of
+/// half width `side`.
+inline TriangleMesh block_with_hole(double side, double room, double top)
+{
+    const double hole = side + room;
+    const double outer = 0.03;
+    std::vector<Vec3> positions;
+    for (const double size : {hole, outer}) {
+        for (const double z : {-0.03, top}) {
+            for (const auto& [x, y] :
+                 {std::pair(-1, -1), std::pair(1, -1), std::pair(1, 1), std::pair(-1, 1)})
+                positions.emplace_back(size * x, size * y, z);
+        }
+    }
+    std::vector<TriangleCorners> triangles;
+    const auto quad = [&](std::uint32_t a, std::uint32_t b, std::uint32_t c, std::uint32_t d) {
+        triangles.push_back({a, b, c});
+        triangles.push_back({a, c, d});
+    };
+    for (std::uint32_t k = 0; k < 4; ++k) {
+        const std::uint32_t next = (k + 1) % 4;
+        quad(k, 4 + k, 4 + next, next);           // the hole's wall, seen from inside
+        quad(8 + k, 8 + next, 12 + next, 12 + k); // the outer wall
+        quad(4 + k, 12 + k, 12 + next, 4 + next); // the top
+        quad(k, next, 8 + next, 8 + k);           // the bottom
+    }
+    return mesh_of(positions, triangles);
 }
 
 inline MeshIndex index_of(const TriangleMesh& mesh)

@@ -1,6 +1,6 @@
 // Friction of tools against closed forms, tools at rest, and the energy of closed paths.
 #include "haptics/tool/rigid_motion.h"
-#include "haptics/tool/tool_bench.h"
+#include "haptics/tool/tool_on_table.h"
 #include "proxima/sample_meshes.h"
 #include "proxima/tool_renderer.h"
 
@@ -14,18 +14,6 @@
 
 namespace proxima::testing {
 namespace {
-
-constexpr double clearance = 1e-5;
-constexpr double stiffness = 500; // N/m
-constexpr double torsional = 0.5; // N m/rad
-constexpr double half = 0.01;     // of the box, m
-constexpr double settled = 2e-8;  // m: how near a proxy at rest is to its closed form
-constexpr double force_error = stiffness * settled;
-
-TriangleMesh table()
-{
-    return box_mesh({0.1, 0.1, 0.05}, {0, 0, -0.05}); // its top is z = 0
-}
 
 ToolBench box_on_table(double fixed, double sliding)
 {

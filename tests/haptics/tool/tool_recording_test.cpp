@@ -6,6 +6,7 @@
 #include "haptics/tool/tool_bench.h"
 #include "proxima/sample_meshes.h"
 
+#include <array>
 #include <cmath>
 #include <cstring>
 #include <fstream>
@@ -13,6 +14,7 @@
 #include <iterator>
 #include <limits>
 #include <memory>
+#include <span>
 #include <vector>
 
 namespace proxima::testing {
@@ -110,6 +112,44 @@ TEST_F(ToolRecordings, AreReadAsTheyWereWrittenAndReplayWithoutADifference)
     EXPECT_EQ(bytes_of(again), bytes_of(file_path));
 }
 
+/// Files of version 1 have 24 numbers: their sessions had no guard.
+TEST_F(ToolRecordings, TheGuardIsPartOfTheSessionAndOffInOlderFiles)
+{
+    ToolRecording recording = session();
+    const std::filesystem::path file_path = path("session.pxt");
+    for (const Guard guard : {Guard::off, Guard::observe, Guard::on}) {
+        recording.settings.render.guard = guard;
+        ASSERT_TRUE(save_tool_recording(recording, file_path).has_value());
+        const auto read = load_tool_recording(file_path);
+        ASSERT_TRUE(read.has_value()) << read.error().message;
+        EXPECT_EQ(read->settings.render.guard, guard);
+    }
+    const FileFormat format = {{'P', 'X', 'T', 'O', 'O', 'L', '\r', '\n'}, 2, "recording"};
+    const auto file = BinaryFile::open(file_path, format, {});
+    ASSERT_TRUE(file.has_value());
+    const auto meshes = file->section<std::uint64_t>(1);
+    const auto numbers = file->section<double>(2);
+    const auto ticks = file->section<RecordedToolTick>(3);
+    ASSERT_TRUE(meshes && numbers && ticks);
+    ASSERT_EQ(numbers->size(), 25U);
+    for (const std::uint32_t version : {1U, 2U}) {
+        const FileFormat written = {format.magic, version, format.name};
+        for (const std::size_t count : {24U, 25U}) {
+            const std::array<BinarySection, 3> sections = {
+                {{1, sizeof(std::uint64_t), std::as_bytes(std::span(*meshes))},
+                 {2, sizeof(double), std::as_bytes(std::span(*numbers).first(count))},
+                 {3, sizeof(RecordedToolTick), std::as_bytes(std::span(*ticks))}}};
+            ASSERT_TRUE(write_binary_file(path("other.pxt"), written, sections).has_value());
+            const auto read = load_tool_recording(path("other.pxt"));
+            ASSERT_EQ(read.has_value(), count == 23 + version) << version << ' ' << count;
+            if (read) {
+                EXPECT_EQ(read->settings.render.guard, version == 1 ? Guard::off : Guard::on);
+                EXPECT_EQ(read->ticks.size(), recording.ticks.size());
+            }
+        }
+    }
+}
+
 TEST_F(ToolRecordings, ForgedNumbersAreNamed)
 {
     ToolRecording recording;
@@ -121,6 +161,8 @@ TEST_F(ToolRecordings, ForgedNumbersAreNamed)
     settings.render.clearance = 1.75e-5;
     settings.render.max_moves = 7;
     settings.render.max_work = 777;
+    settings.render.guard = Guard::observe; // 2
+    settings.render.static_friction = settings.render.dynamic_friction = 0.25;
     const std::filesystem::path file_path = path("session.pxt");
     ASSERT_TRUE(save_tool_recording(recording, file_path).has_value());
     const std::vector<std::byte> file = bytes_of(file_path);
@@ -129,7 +171,7 @@ TEST_F(ToolRecordings, ForgedNumbersAreNamed)
     for (const auto& [name, value] :
          {std::pair("tick_seconds", 0.00125), std::pair("units_per_metre", 1.0625),
           std::pair("stiffness", 501.5), std::pair("clearance", 1.75e-5),
-          std::pair("max_moves", 7.0), std::pair("max_work", 777.0)}) {
+          std::pair("max_moves", 7.0), std::pair("max_work", 777.0), std::pair("guard", 2.0)}) {
         for (const double bad : {nan, -1.0, 1e308}) {
             const auto read = forged(file, value, bad);
             ASSERT_FALSE(read.has_value()) << name << " " << bad;

@@ -2,6 +2,7 @@
 #include "counted_allocations.h"
 #include "haptics/tool/rigid_motion.h"
 #include "haptics/tool/tool_bench.h"
+#include "haptics/tool/tool_guard.h"
 #include "proxima/sample_meshes.h"
 #include "proxima/tool_renderer.h"
 
@@ -52,6 +53,33 @@ TEST(ToolRenderer, DevicesWithoutTorquesGetTheForceAlone)
         EXPECT_GT(tick.spring_torque.norm(), 0.01);
         EXPECT_EQ(tick.torque.isZero(0), torque == 0);
     }
+}
+
+/// The passivity guard damps the force alone then, and a reset forgets what it did.
+TEST(ToolRenderer, TheGuardGivesNoTorqueToADeviceWithoutAndForgetsByReset)
+{
+    DeviceLimits device = *find_device("omni");
+    ToolRenderer renderer = renderer_for(device, {.force = {.stiffness = 700, .damping = 0}});
+    const auto shake = [&] {
+        double checksum = 0;
+        for (int i = 0; i < 1000; ++i) {
+            // It grows, as by forces that are late.
+            const double size = std::min(1e-4 * std::exp(0.01 * i), 0.004);
+            const double swing = size * std::sin(0.3 * i);
+            const ToolTick& tick =
+                renderer.tick(state_at(pose_at({0, 0, 0.0105 + swing}, {swing, 0, 0})), 1e-3);
+            EXPECT_TRUE(tick.torque.isZero(0));
+            checksum += tick.force.z() * (i + 1);
+        }
+        return checksum;
+    };
+    const double first = shake();
+    EXPECT_GT(guard_of(renderer).passivity().added_damping(), 0.1);
+    EXPECT_GT(guard_of(renderer).passivity().report().swings, 0U);
+    renderer.reset();
+    EXPECT_EQ(guard_of(renderer).passivity().added_damping(), 0);
+    EXPECT_EQ(guard_of(renderer).passivity().report().damped_ticks, 0U);
+    EXPECT_EQ(shake(), first);
 }
 
 TEST(ToolRenderer, ForceAndTorqueStayWithinTheirLimitsWhateverArrives)

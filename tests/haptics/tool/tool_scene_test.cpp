@@ -2,7 +2,8 @@
 #include "counted_allocations.h"
 #include "haptics/tool/every_pair.h"
 #include "haptics/tool/rigid_motion.h"
-#include "haptics/tool/tool_bench.h"
+#include "haptics/tool/tool_guard.h"
+#include "haptics/tool/tool_on_table.h"
 #include "haptics/tool/tool_proxy.h"
 #include "haptics/touch_meshes.h"
 #include "proxima/sample_meshes.h"
@@ -10,6 +11,7 @@
 #include "proxima/touch_scene.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <gtest/gtest.h>
 #include <iostream>
@@ -19,17 +21,6 @@
 
 namespace proxima::testing {
 namespace {
-
-constexpr double clearance = 1e-5;
-constexpr double stiffness = 500; // N/m
-constexpr double half = 0.01;     // of the box, m
-constexpr double settled = 2e-8;  // m
-constexpr double force_error = stiffness * settled;
-
-TriangleMesh table()
-{
-    return box_mesh({0.1, 0.1, 0.05}, {0, 0, -0.05}); // its top is z = 0
-}
 
 /// A tool in a scene of objects that the test moves.
 class SceneBench {
@@ -42,10 +33,11 @@ public:
         const TouchBody body = build_touch_body(mesh, {.material = material}).value();
         return scene_.add(body, pose).value();
     }
-    void start(const RigidTransform& device, const ToolRenderOptions& options = plain_springs())
+    void start(const RigidTransform& device, const ToolRenderOptions& options = plain_springs(),
+               const DeviceLimits& limits = strong_device())
     {
         renderer_.emplace(
-            make_tool_renderer(tool_, scene_, WorkspaceMap{}, strong_device(), options).value());
+            make_tool_renderer(tool_, scene_, WorkspaceMap{}, limits, options).value());
         tick(device);
     }
     const ToolTick& tick(const RigidTransform& device)
@@ -64,6 +56,7 @@ public:
         ASSERT_TRUE(scene_.move(object, {.pose = pose, .seconds = seconds}).has_value());
     }
     [[nodiscard]] TouchScene& scene() { return scene_; }
+    [[nodiscard]] const ToolRenderer& renderer() const { return *renderer_; }
     [[nodiscard]] const MeshIndex& tool() const { return tool_; }
 
 private:
@@ -94,6 +87,31 @@ TEST(ToolInScene, AnObjectThatRisesPushesTheTool)
         EXPECT_EQ(after.force, Vec3(Vec3::Zero()));
         EXPECT_EQ(after.proxy.translation, device.translation);
     }
+}
+
+/// The passivity guard judges the motion relative to what is touched: a table that shakes below a tool
+/// is to it what a tool is that shakes above a table.
+TEST(ToolInScene, TheGuardJudgesTheMotionRelativeToTheObject)
+{
+    ToolRenderOptions options = plain_springs();
+    options.guard = Guard::observe;
+    std::array<SwingReport, 2> reports;
+    for (const bool table_moves : {false, true}) {
+        SceneBench bench(box_mesh(Vec3::Constant(half)));
+        const ObjectId ground = bench.add(table(), pose_at({0, 0, 0}));
+        bench.start(pose_at({0, 0, 0.0105}), options, *find_device("delta"));
+        for (int i = 0; i < 1500; ++i) {
+            // It grows, as by forces that are late.
+            const double way = std::min(1e-4 * std::exp(0.01 * i), 0.002) * std::sin(0.25 * i);
+            if (table_moves) bench.move(ground, pose_at({0, 0, -way}), 1e-3);
+            bench.tick(pose_at({0, 0, 0.007 + (table_moves ? 0 : way)}));
+        }
+        reports[table_moves ? 1 : 0] = guard_of(bench.renderer()).passivity().report();
+    }
+    EXPECT_GT(reports[0].swings, 0U);
+    EXPECT_EQ(reports[1].swings, reports[0].swings);
+    EXPECT_NEAR(reports[1].most_given, reports[0].most_given, 0.05 * reports[0].most_given);
+    EXPECT_NEAR(reports[1].most_damping, reports[0].most_damping, 0.05 * reports[0].most_damping);
 }
 
 /// The object's own friction carries the tool as far as it reaches.

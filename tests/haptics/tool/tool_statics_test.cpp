@@ -1,5 +1,5 @@
 // Tools at rest against closed forms: positions, forces and torques.
-#include "haptics/tool/tool_bench.h"
+#include "haptics/tool/tool_on_table.h"
 #include "proxima/sample_meshes.h"
 #include "proxima/tool_renderer.h"
 
@@ -11,18 +11,7 @@
 namespace proxima::testing {
 namespace {
 
-constexpr double clearance = 1e-5;
-constexpr double stiffness = 500; // N/m
-constexpr double torsional = 0.5; // N m/rad
-constexpr double half = 0.01;     // of the box, m
-constexpr double settled = 2e-8;  // m: how near a proxy at rest is to its closed form
-constexpr double force_error = stiffness * settled;
 constexpr double torque_error = torsional * settled / half;
-
-TriangleMesh table()
-{
-    return box_mesh({0.1, 0.1, 0.05}, {0, 0, -0.05}); // its top is z = 0
-}
 
 ToolBench box_on_table()
 {
@@ -208,33 +197,8 @@ protected:
     static constexpr double play = 0.0005;
     static constexpr double side = 0.005;
 
-    static TriangleMesh block()
-    {
-        const double hole = side + play;
-        const double outer = 0.03;
-        std::vector<Vec3> positions;
-        for (const double size : {hole, outer}) {
-            for (const double z : {-0.03, 0.0}) {
-                for (const auto& [x, y] :
-                     {std::pair(-1, -1), std::pair(1, -1), std::pair(1, 1), std::pair(-1, 1)})
-                    positions.emplace_back(size * x, size * y, z);
-            }
-        }
-        std::vector<TriangleCorners> triangles;
-        const auto quad = [&](std::uint32_t a, std::uint32_t b, std::uint32_t c, std::uint32_t d) {
-            triangles.push_back({a, b, c});
-            triangles.push_back({a, c, d});
-        };
-        for (std::uint32_t k = 0; k < 4; ++k) {
-            const std::uint32_t next = (k + 1) % 4;
-            quad(k, 4 + k, 4 + next, next);           // the hole's wall, seen from inside
-            quad(8 + k, 8 + next, 12 + next, 12 + k); // the outer wall
-            quad(4 + k, 12 + k, 12 + next, 4 + next); // the top
-            quad(k, next, 8 + next, 8 + k);           // the bottom
-        }
-        return mesh_of(positions, triangles);
-    }
-    ToolPegInHole() : bench(box_mesh({side, side, 0.015}), {{index_of(block()), {}}})
+    ToolPegInHole()
+        : bench(box_mesh({side, side, 0.015}), {{index_of(block_with_hole(side, play, 0)), {}}})
     {
         bench.start(pose_at({0, 0, 0.02}));
     }
