@@ -4,6 +4,7 @@
 #include "index/test_meshes.h"
 #include "proxima/index_io.h"
 #include "proxima/sample_meshes.h"
+#include "proxima/topology.h"
 #include "query/closest/signed_mesh.h"
 
 #include <cmath>
@@ -176,7 +177,10 @@ TEST(DistanceField, HasThemFromIndexesThatWereMovedOrSaved)
         return Vec3(p.x() + 0.3 * p.y() * p.y(), 1.5 * p.y(), p.z() - 0.2 * p.x());
     });
     Signed of(ball);
-    of.index = with_signs(refit_index(build_mesh_index(ball).value(), bent).value()).value();
+    of.index =
+        with_signs(
+            refit_index(build_mesh_index(ball).value(), bent, build_topology(bent).value()).value())
+            .value();
     of.mesh = bent;
     expect_single_answers(of, grid_of(bent, 40));
     of.index = with_lists(of.index, {}).value_or(of.index);
