@@ -49,6 +49,36 @@ TEST(UdpPackets, AreLaidOutAsDocumented)
     EXPECT_NEAR((device_state(back).pose.rotation - Mat3::Identity()).norm(), std::sqrt(6), 1e-12);
 }
 
+TEST(UdpPackets, GiveTheStateOfADevice)
+{
+    StatePacket packet;
+    packet.position = {1, 2, 3};
+    packet.velocity = {4, 5, 6};
+    packet.buttons = 5;
+    DeviceState state = device_state(packet);
+    EXPECT_EQ(state.pose.translation, Vec3(1, 2, 3));
+    EXPECT_EQ(state.velocity, Vec3(4, 5, 6));
+    EXPECT_EQ(state.buttons, 5U);
+    EXPECT_EQ(state.condition, DeviceState().condition);
+    packet.flags = StatePacket::leaving;
+    EXPECT_EQ(device_state(packet).condition, InputCondition::released);
+    // A quarter turn about z, of almost length 1; without the flag and of other lengths none.
+    const double half = std::sqrt(0.5);
+    for (const double length : {1.0, 1.0009, 0.9991, 1.0011, 0.9989, 0.0}) {
+        packet.flags = StatePacket::rotates;
+        packet.quaternion = {half * length, 0, 0, half * length};
+        state = device_state(packet);
+        Mat3 turned;
+        turned << 0, -1, 0, 1, 0, 0, 0, 0, 1;
+        const bool accepted = std::abs(length - 1) < 1e-3;
+        EXPECT_NEAR((state.pose.rotation - (accepted ? turned : Mat3(Mat3::Identity()))).norm(), 0,
+                    1e-12)
+            << length;
+        packet.flags = 0;
+        EXPECT_EQ(device_state(packet).pose.rotation, Mat3(Mat3::Identity()));
+    }
+}
+
 TEST(UdpPackets, RepliesSurviveEncodingAndDecoding)
 {
     std::mt19937_64 random(5);

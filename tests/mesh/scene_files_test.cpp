@@ -104,6 +104,25 @@ TEST_F(SceneFiles, FitTheBudget)
     EXPECT_EQ(mesh.error().code, ErrorCode::budget_exceeded) << describe(mesh.error());
 }
 
+TEST_F(SceneFiles, FitTheBudgetTogether)
+{
+    // Each of two files does; they end in holes.
+    fs::resize_file(path("scenes/buffer.bin"), 40'000'000);
+    fs::copy_file(path("scenes/buffer.bin"), path("scenes/second.bin"));
+    const std::string positions = "\"buffer\":0,\"byteOffset\":24";
+    const std::size_t at = scene_.find(positions);
+    ASSERT_NE(at, std::string::npos);
+    scene_.replace(at, 10, "\"buffer\":1");
+    const auto read_within = [&](std::uint64_t bytes) {
+        return read("buffer.bin\"},{\"byteLength\":72,\"uri\":\"second.bin",
+                    {.execution = {.budget = {.bytes = bytes}}});
+    };
+    EXPECT_TRUE(read_within(100'000'000));
+    const auto mesh = read_within(60'000'000);
+    ASSERT_FALSE(mesh);
+    EXPECT_EQ(mesh.error().code, ErrorCode::budget_exceeded) << describe(mesh.error());
+}
+
 TEST_F(SceneFiles, AreNotForScenesInMemory)
 {
     const fs::path before = fs::current_path();
