@@ -1,54 +1,12 @@
 #include "haptics/force/passivity.h"
 
 #include "haptics/force/contact_force.h"
+#include "haptics/force/passivity_rules.h"
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 namespace proxima {
-
-namespace {
-
-/// N s/m: the friction of the best devices. Less than this is not enough to keep a swing going, and
-/// less damping ends none.
-constexpr double least_device_damping = 0.1;
-
-/// Damping and softening answer two legs in succession that do not fade. A leg that is half as long
-/// again as the one before counts twice.
-constexpr int least_legs = 2;
-
-/// The damping of an answer, in parts of what leaves a contact that gives nothing: it takes as much
-/// as it gave, so what grew by itself fades as fast.
-constexpr double firmness = 2;
-
-/// A leg is compared with the shorter of the two before it. So the third leg after an answer is the
-/// first one that is compared with legs after the answer alone.
-constexpr int hand_legs = 3;
-
-constexpr double nearly_all = 0.9; ///< of the damping that is allowed
-constexpr double least_softness = 0.2;
-constexpr double softening = 0.7;
-constexpr double recovery = 4; ///< s, in which s doubles, or damping halves; and of trust
-
-/// A mass m that hits a wall is in contact for pi sqrt(m / K) or longer. With all damping that the known
-/// devices allow, the wall throws it back faster than it came only if that is less than five and a
-/// half times the delay of the damping: the ticks of the force's delay, half a tick for the hold, and
-/// half a tick for a velocity by differences. Ticks in which a slew limit holds the force back add to
-/// them.
-constexpr double brief_contact = 6; ///< of these delays
-constexpr double least_mass = 0.06; ///< kg: an assumption, of a device and what holds it
-
-/// Whether a fully damped wall, whose forces are late by further ticks, may have caused a cycle with so
-/// much time in contact.
-bool is_brief(double contact, double stiffness, int late_ticks, double tick_seconds) noexcept
-{
-    const double longest = brief_contact * (most_delay_ticks + 1 + late_ticks) * tick_seconds;
-    const double least = std::numbers::pi * std::sqrt(least_mass / stiffness);
-    return contact <= longest && least <= longest;
-}
-
-} // namespace
 
 void PassivityGuard::mark() noexcept
 {
@@ -70,7 +28,7 @@ void PassivityGuard::applied(const Vec3& force) noexcept
 void PassivityGuard::soften(double factor) noexcept
 {
     report_.softenings += softness_ >= 1 ? 1U : 0U;
-    softness_ = std::max(softness_ * factor, least_softness);
+    softness_ = std::max(softness_ * factor, passivity_rule::least_softness);
     report_.lowest_softness = std::min(report_.lowest_softness, softness_);
 }
 
@@ -78,17 +36,17 @@ void PassivityGuard::soften(double factor) noexcept
 void PassivityGuard::answer(const SwingTick& tick, double needed, bool brief) noexcept
 {
     const double most = std::max(max_damping_ - surface_damping_, 0.0);
-    if (damping_ < nearly_all * most) {
+    if (damping_ < passivity_rule::nearly_all * most) {
         report_.swings += damping_ > 0 ? 0U : 1U;
-        const double step = brief || tick.quick ? most : firmness * needed;
+        const double step = brief || tick.quick ? most : passivity_rule::firmness * needed;
         damping_ = std::min(damping_ + step, most);
         report_.most_damping = std::max(report_.most_damping, damping_);
     } else if (!brief && !tick.quick) {
         return;
     } else if (!tick.quick) {
-        soften(softening);
+        soften(passivity_rule::softening);
     }
-    if (tick.quick) soften(least_softness);
+    if (tick.quick) soften(passivity_rule::least_softness);
     // What was given before the answer says nothing about what is given after it.
     leg_began_ = cycle_began_ = account_.sums();
     kept_legs_ = 0;
@@ -100,9 +58,10 @@ void PassivityGuard::answer(const SwingTick& tick, double needed, bool brief) no
 void PassivityGuard::trust_hand(double given) noexcept
 {
     kept_legs_ = swing_.is_kept() ? kept_legs_ + 1 : 0;
-    if (!(damping_ > 0) || kept_legs_ < hand_legs || given > 0 || swing_.is_fast()) return;
+    if (!(damping_ > 0) || kept_legs_ < passivity_rule::hand_legs || given > 0 || swing_.is_fast())
+        return;
     damping_ = 0;
-    trust_ = recovery;
+    trust_ = passivity_rule::recovery;
     trusted_leg_ = swing_.last_leg();
 }
 
@@ -114,12 +73,13 @@ void PassivityGuard::judge(const SwingTick& tick, double seconds) noexcept
     const double given = now.most_given_since(cycle_began_);
     const double motion = now.motion - cycle_began_.motion;
     const double in_contact = now.motion_in_contact - cycle_began_.motion_in_contact;
-    gives_ = given > least_device_damping * motion;
+    gives_ = given > passivity_rule::least_device_damping * motion;
     // Beyond doubt, as for gives_.
-    if (tick.turned) trust_hand(given + least_device_damping * motion);
-    if (!tick.reported || !(tick.legs >= least_legs || tick.quick) || !gives_) return;
-    const bool brief =
-        is_brief(tick.contact, stiffness_, std::max(leg_late_, last_leg_late_), seconds);
+    if (tick.turned) trust_hand(given + passivity_rule::least_device_damping * motion);
+    if (!tick.reported || !(tick.legs >= passivity_rule::least_legs || tick.quick) || !gives_)
+        return;
+    const bool brief = passivity_rule::is_brief(tick.contact, stiffness_,
+                                                std::max(leg_late_, last_leg_late_), seconds);
     const bool trusted = trust_ > 0 && tick.length < 2 * trusted_leg_;
     if (trusted && !brief && !tick.fast) return;
     report_.most_given = std::max(report_.most_given, given);
@@ -142,11 +102,11 @@ void PassivityGuard::recover(double seconds) noexcept
     }
     if (swing_.is_swinging() && (gives_ || swing_.is_fast())) return;
     if (softness_ < 1) {
-        softness_ = std::min(softness_ * std::exp2(seconds / recovery), 1.0);
+        softness_ = std::min(softness_ * std::exp2(seconds / passivity_rule::recovery), 1.0);
         if (softness_ >= 1) softened_seconds_ = 0;
     } else if (damping_ > 0) {
-        damping_ *= std::exp2(-seconds / recovery);
-        if (damping_ < least_device_damping) damping_ = 0;
+        damping_ *= std::exp2(-seconds / passivity_rule::recovery);
+        if (damping_ < passivity_rule::least_device_damping) damping_ = 0;
     }
 }
 

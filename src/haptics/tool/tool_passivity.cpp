@@ -1,34 +1,15 @@
 #include "haptics/tool/tool_passivity.h"
 
 #include "haptics/force/contact_force.h"
+#include "haptics/force/passivity_rules.h"
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numbers>
 
 namespace proxima {
 
 namespace {
-
-// The numbers of points, which passivity.cpp derives.
-constexpr double least_device_damping = 0.1; ///< N s/m
-constexpr int least_legs = 2;
-constexpr double firmness = 2;
-constexpr int hand_legs = 3;
-constexpr double nearly_all = 0.9;
-constexpr double least_softness = 0.2;
-constexpr double softening = 0.7;
-constexpr double recovery = 4; ///< s
-constexpr double brief_contact = 6;
-constexpr double least_mass = 0.06; ///< kg
-
-bool is_brief(double contact, double stiffness, int late_ticks, double tick_seconds) noexcept
-{
-    const double longest = brief_contact * (most_delay_ticks + 1 + late_ticks) * tick_seconds;
-    const double least = std::numbers::pi * std::sqrt(least_mass / stiffness);
-    return contact <= longest && least <= longest;
-}
 
 /// A spring's force, with as much of its damping as the guard leaves.
 Vec3 with_damping_left(const Vec3& spring, const Vec3& whole, double damping, double left) noexcept
@@ -64,7 +45,7 @@ void ToolPassivity::applied(const Vec6& pull) noexcept
 void ToolPassivity::soften(double factor) noexcept
 {
     report_.softenings += softness_ >= 1 ? 1U : 0U;
-    softness_ = std::max(softness_ * factor, least_softness);
+    softness_ = std::max(softness_ * factor, passivity_rule::least_softness);
     report_.lowest_softness = std::min(report_.lowest_softness, softness_);
 }
 
@@ -72,17 +53,17 @@ void ToolPassivity::soften(double factor) noexcept
 void ToolPassivity::answer(const SwingTick& tick, double needed, bool brief) noexcept
 {
     const double most = limits_.max_damping;
-    if (damping_ < nearly_all * most) {
+    if (damping_ < passivity_rule::nearly_all * most) {
         report_.swings += damping_ > 0 ? 0U : 1U;
-        const double step = brief || tick.quick ? most : firmness * needed;
+        const double step = brief || tick.quick ? most : passivity_rule::firmness * needed;
         damping_ = std::min(damping_ + step, most);
         report_.most_damping = std::max(report_.most_damping, damping_);
     } else if (!brief && !tick.quick) {
         return;
     } else if (!tick.quick) {
-        soften(softening);
+        soften(passivity_rule::softening);
     }
-    if (tick.quick) soften(least_softness);
+    if (tick.quick) soften(passivity_rule::least_softness);
     // What was given before the answer says nothing about what is given after it.
     for (Axis& axis : axes_) {
         axis.leg_began = axis.cycle_began = sums();
@@ -95,12 +76,14 @@ void ToolPassivity::answer(const SwingTick& tick, double needed, bool brief) noe
 void ToolPassivity::trust_hand(Axis& axis, double given) noexcept
 {
     axis.kept_legs = axis.swing.is_kept() ? axis.kept_legs + 1 : 0;
-    if (!(damping_ > 0) || axis.kept_legs < hand_legs || given > 0 || axis.swing.is_fast()) return;
+    if (!(damping_ > 0) || axis.kept_legs < passivity_rule::hand_legs || given > 0 ||
+        axis.swing.is_fast())
+        return;
     for (const Axis& other : axes_) {
         if (other.swing.is_swinging() && other.swing.last_leg() > axis.swing.last_leg()) return;
     }
     damping_ = 0;
-    trust_ = recovery;
+    trust_ = passivity_rule::recovery;
     for (Axis& each : axes_) each.trusted_leg = each.swing.last_leg();
 }
 
@@ -113,12 +96,13 @@ void ToolPassivity::judge(Axis& axis, const SwingTick& tick, double stiffness,
     const double given = now.most_given_since(axis.cycle_began);
     const double motion = now.motion - axis.cycle_began.motion;
     const double in_contact = now.motion_in_contact - axis.cycle_began.motion_in_contact;
-    axis.gives = given > least_device_damping * motion;
+    axis.gives = given > passivity_rule::least_device_damping * motion;
     // Beyond doubt, as for gives.
-    if (tick.turned) trust_hand(axis, given + least_device_damping * motion);
-    if (!tick.reported || !(tick.legs >= least_legs || tick.quick) || !axis.gives) return;
-    const bool brief =
-        is_brief(tick.contact, stiffness, std::max(axis.leg_late, axis.last_leg_late), seconds);
+    if (tick.turned) trust_hand(axis, given + passivity_rule::least_device_damping * motion);
+    if (!tick.reported || !(tick.legs >= passivity_rule::least_legs || tick.quick) || !axis.gives)
+        return;
+    const bool brief = passivity_rule::is_brief(
+        tick.contact, stiffness, std::max(axis.leg_late, axis.last_leg_late), seconds);
     const bool trusted = trust_ > 0 && tick.length < 2 * axis.trusted_leg;
     if (trusted && !brief && !tick.fast) return;
     report_.most_given = std::max(report_.most_given, given);
@@ -148,11 +132,11 @@ void ToolPassivity::recover(double seconds) noexcept
     }
     if (is_swinging()) return;
     if (softness_ < 1) {
-        softness_ = std::min(softness_ * std::exp2(seconds / recovery), 1.0);
+        softness_ = std::min(softness_ * std::exp2(seconds / passivity_rule::recovery), 1.0);
         if (softness_ >= 1) softened_seconds_ = 0;
     } else if (damping_ > 0) {
-        damping_ *= std::exp2(-seconds / recovery);
-        if (damping_ < least_device_damping) damping_ = 0;
+        damping_ *= std::exp2(-seconds / passivity_rule::recovery);
+        if (damping_ < passivity_rule::least_device_damping) damping_ = 0;
     }
 }
 
