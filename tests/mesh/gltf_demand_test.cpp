@@ -14,6 +14,7 @@ struct Scene {
     std::string primitives = R"({"attributes":{"POSITION":0}})";
     std::string accessors = R"({"bufferView":0,"componentType":5126,"count":3,"type":"VEC3"})";
     std::string more{};
+    std::string buffers = R"({"byteLength":48})";
 };
 
 std::string repeated(const std::string& text, int times)
@@ -23,13 +24,21 @@ std::string repeated(const std::string& text, int times)
     return all;
 }
 
+/// "0,1,2" for 3.
+std::string numbered(int count)
+{
+    std::string all = "0";
+    for (int i = 1; i < count; ++i) all += concat(",", i);
+    return all;
+}
+
 std::string json_of(const Scene& scene)
 {
-    return concat(
-        R"({"asset":{"version":"2.0"},"scene":0,"scenes":[{"nodes":[)", scene.roots,
-        R"(]}],"nodes":[)", scene.nodes, R"(],"meshes":[{"primitives":[)", scene.primitives,
-        R"(]}],"buffers":[{"byteLength":48}],"bufferViews":[{"buffer":0,"byteLength":48}],)",
-        R"("accessors":[)", scene.accessors, "]", scene.more, "}");
+    return concat(R"({"asset":{"version":"2.0"},"scene":0,"scenes":[{"nodes":[)", scene.roots,
+                  R"(]}],"nodes":[)", scene.nodes, R"(],"meshes":[{"primitives":[)",
+                  scene.primitives, R"(]}],"buffers":[)", scene.buffers,
+                  R"(],"bufferViews":[{"buffer":0,"byteLength":48}],)", R"("accessors":[)",
+                  scene.accessors, "]", scene.more, "}");
 }
 
 std::string glb_of(std::string json)
@@ -110,7 +119,17 @@ TEST_F(GltfDemand, RefusesScenesBeyondTheBudget)
         {.nodes = R"({"mesh":0,"skin":0})",
          .primitives = repeated(R"({"attributes":{"POSITION":0}})", 100),
          .more = R"(,"skins":[{"joints":[)" + repeated("0", 100) + "]}]"},
+        {.buffers = R"({"byteLength":48},{"byteLength":20000000})"},
+        // 1,000 nodes that each list the 3,000 primitives of one mesh.
+        {.nodes = repeated(R"({"mesh":0})", 1000),
+         .roots = numbered(1000),
+         .primitives = repeated(R"({"attributes":{"POSITION":0}})", 3000)},
     };
+    ASSERT_TRUE(read_text(
+        glb_of(json_of({.nodes = repeated(R"({"mesh":0})", 10),
+                        .roots = numbered(10),
+                        .primitives = repeated(R"({"attributes":{"POSITION":0}})", 3000)})),
+        MeshFormat::glb, {.execution = {.budget = ten_megabytes}}));
     for (std::size_t i = 0; i < std::size(scenes); ++i) {
         const Error error = error_of_scene(scenes[i]);
         EXPECT_EQ(error.code, ErrorCode::budget_exceeded) << i << ": " << describe(error);
