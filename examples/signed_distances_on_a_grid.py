@@ -10,12 +10,8 @@ import proxima
 
 mesh = proxima.Mesh.read(sys.argv[1]) if len(sys.argv) > 1 else proxima.Mesh.sample("torus:100x50")
 index = proxima.Index(mesh, signs=True)
-lower, upper = mesh.bounds
-spacing = np.max(upper - lower) / 48
-axes = [np.arange(low - 2 * spacing, high + 2 * spacing, spacing) for low, high in zip(lower, upper)]
-grid = np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1)  # (nx, ny, nz, 3)
-
-distance = index.signed_distance(grid.reshape(-1, 3)).reshape(grid.shape[:3])  # negative inside
+field = index.distance_field(52)
+distance, spacing = field.distance, field.spacing  # (nx, ny, nz), negative inside
 print(f"{distance.shape} values from {distance.min():.4f} inside to {distance.max():.4f} outside")
 slope = np.linalg.norm(np.gradient(distance, spacing), axis=0)
 print(f"they change by {np.median(slope):.3f} per unit of length, {(distance < 0).sum() * spacing**3:.4f} of the volume is inside")
@@ -24,4 +20,4 @@ row = distance[:, :, distance.shape[2] // 2]
 for line in row[::2, ::2]:
     print("".join("#" if value < 0 else "+" if value < 3 * spacing else "." for value in line))
 if len(sys.argv) > 2:
-    np.savez_compressed(sys.argv[2], distance=distance, lower=[axis[0] for axis in axes], spacing=spacing)
+    np.savez_compressed(sys.argv[2], distance=distance, origin=field.origin, spacing=spacing)

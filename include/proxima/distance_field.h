@@ -86,11 +86,11 @@ struct FieldOptions {
 };
 
 /// Fills a grid with signed distances. The same for any number of threads, and with every instruction
-/// set. About 0.5 us per point of a closed mesh on one thread, twice that with gradients or methods; of
-/// an open mesh some microseconds more, for winding numbers. A thread takes 32^3 points at once, and
-/// some MB. Thread safe. Errors: invalid_argument (the index has no signs, a span has another size,
-/// spacing or band is not positive, a point is not finite, too many points), cancelled, after which the
-/// outputs are filled in part.
+/// set. On one thread 0.6 us per point of a closed mesh of 70,000 triangles at 256 points a side, 1.4 us
+/// at 128, and an eighth more with gradients; of an open mesh some microseconds more, for winding
+/// numbers. A thread takes 32^3 points at once, and some MB. Thread safe. Errors: invalid_argument (the
+/// index has no signs, a span has another size, spacing or band is not positive, a point is not finite,
+/// too many points), cancelled, after which the outputs are filled in part.
 [[nodiscard]] Status distance_field(const MeshIndex& index, const PointGrid& grid,
                                     const FieldOutputs& outputs, const FieldOptions& options = {});
 

@@ -45,8 +45,7 @@ Box box_of(const MeshIndex& index, const py::object& box)
         if (corners.size() != 2) refuse("box", "must have two corners");
         return {corners.points()[0], corners.points()[1]};
     }
-    const auto mesh = mesh_of(index);
-    return value_of(mesh.transform([](const TriangleMesh& whole) { return bounding_box(whole); }));
+    return bounds_of(index);
 }
 
 py::object distance_field_of(const MeshIndex& index, std::uint32_t resolution, double spacing,
@@ -96,7 +95,7 @@ void bind_field(py::class_<MeshIndex>& index)
     gradient    with the direction in which the distance grows
     method      with how each sign was found, see SIGN_METHODS
 
-Needs signs. About 0.5 us a point of a closed mesh on one thread, some microseconds more with holes.)");
+Needs signs. 0.6 to 1.4 us a point of a closed mesh on one thread, some microseconds more with holes.)");
 }
 
 } // namespace proxima::python

@@ -21,6 +21,12 @@ inline constexpr std::size_t lengthy_batch = 4096;
 /// The volume of planes (n, 4).
 [[nodiscard]] ViewVolume volume_of(const py::object& planes);
 
+/// The box of the index's mesh, which is made for it.
+[[nodiscard]] inline Box bounds_of(const MeshIndex& index)
+{
+    return value_of(checked_bounding_box(value_of(mesh_of(index))));
+}
+
 void bind_closest(py::class_<MeshIndex>& index);
 void bind_rays(py::class_<MeshIndex>& index);
 void bind_views(py::module_& module, py::class_<MeshIndex>& index);

@@ -31,7 +31,7 @@ struct SharedScene {
 /// A material of four numbers, or nothing for None.
 [[nodiscard]] std::optional<SurfaceMaterial> material_of(const py::object& material);
 
-/// Of a proxima.Texture, or nothing for None.
+/// The texture that a proxima.Texture describes; none for None.
 [[nodiscard]] std::optional<SurfaceTexture> texture_of(const py::object& texture);
 
 /// An Index, or that of a Mesh. Cancelled by Ctrl-C, like body_of(). `wanted` says in the message what

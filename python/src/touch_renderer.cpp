@@ -100,11 +100,6 @@ WorkspaceMap map_of(const Box& box, const DeviceLimits& limits,
     return map;
 }
 
-Box bounds_of(const MeshIndex& index)
-{
-    return value_of(checked_bounding_box(value_of(mesh_of(index))));
-}
-
 std::unique_ptr<SharedRenderer> make(const py::object& model, const py::object& device,
                                      std::optional<double> units_per_metre,
                                      const py::object& center, const RenderOptions& options)

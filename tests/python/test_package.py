@@ -53,7 +53,7 @@ EXAMPLES = {
     "clearance_of_a_moving_part": r"first contact at x = \d\.\d+: \d+ pairs",
     "what_is_wrong_with_a_mesh": r"^not watertight\nwarning: 6 boundary edges, the first at \[\[.*\n.*3 inconsistent edges",
     "repair_a_mesh": r"weld vertices: 4000\norient pieces: 4\d\d\nclosed: False before, True after; volume 4\.83",
-    "signed_distances_on_a_grid": r"change by (1\.00|0\.99)\d per unit of length, 4\.8\d+ of the volume",
+    "signed_distances_on_a_grid": r"change by (1\.00|0\.99)\d per unit of length, 4\.9\d+ of the volume",
     "where_two_parts_meet": r"along 2 lines, 2 of them closed, of length 10\.99(.*\n)+.*apart by 6\.2\d+, contained: none",
     "what_a_camera_sees": r"^\d+ of 10000 triangles are in view\n(.*\n)*.*@@@", "x_ray_of_a_mesh": r"; volume 4\.9\d+",
     "octree_in_numpy": r"inner: \d+ leaves, 2\.8\d+ of the volume(.*\n)+a ray along x goes through 22 leaves, 1\.875",

@@ -37,61 +37,57 @@ public:
             return *inside;
         };
         const bool is_plain = answers.is_clear && to_.gradients.empty() && to_.methods.empty();
-        const auto [width, height, depth] = answers.block.size;
-        const auto [i, j, k] = answers.block.first;
         const RowDistance* found = answers.found.data();
-        for (std::uint32_t z = 0; z < depth; ++z) {
-            for (std::uint32_t y = 0; y < height; ++y) {
-                const std::size_t row = grid_.position(i, j + y, k + z);
-                for (std::uint32_t x = 0; x < width; ++x) {
-                    const Vec3 p = grid_.point(i + x, j + y, k + z);
-                    const double distance = answers.found.empty() ? HUGE_VAL : distance_of(*found);
-                    if (!(distance <= band_)) {
-                        put(row + x, is_inside(p) ? -band_ : band_, Vec3::Zero(),
-                            SignMethod::winding_number);
-                    } else if (is_plain && distance > 0) {
-                        to_.distances[row + x] = is_inside(p) ? -distance : distance;
-                    } else {
-                        describe(row + x, p, *found);
-                    }
-                    if (!answers.found.empty()) ++found;
-                }
+        for_each_point(answers.block, [&](std::size_t at, const Vec3& p) {
+            const double distance = answers.found.empty() ? HUGE_VAL : distance_of(*found);
+            if (!(distance <= band_)) {
+                put_beyond(at, is_inside(p));
+            } else if (is_plain && distance > 0) {
+                to_.distances[at] = is_inside(p) ? -distance : distance;
+            } else {
+                // Not nothing: the index has signs and the point is finite.
+                put_answer(at, p, *sign_of(index_, describe_closest(parts_, *found), p));
             }
-        }
+            if (!answers.found.empty()) ++found;
+        });
     }
 
     /// By single queries.
     void write_one_by_one(const GridBlock& block) const
     {
-        const auto [width, height, depth] = block.size;
+        for_each_point(block, [&](std::size_t at, const Vec3& p) {
+            const SignedDistance answer = *signed_distance(index_, p);
+            if (std::abs(answer.distance) <= band_) {
+                put_answer(at, p, answer);
+            } else {
+                put_beyond(at, std::signbit(answer.distance));
+            }
+        });
+    }
+
+private:
+    /// Calls visit(position, point) with x running fastest.
+    template <class Visit>
+    void for_each_point(const GridBlock& block, const Visit& visit) const
+    {
         const auto [i, j, k] = block.first;
-        for (std::uint32_t z = 0; z < depth; ++z) {
-            for (std::uint32_t y = 0; y < height; ++y) {
-                for (std::uint32_t x = 0; x < width; ++x) {
-                    const Vec3 p = grid_.point(i + x, j + y, k + z);
-                    const std::size_t at = grid_.position(i + x, j + y, k + z);
-                    const SignedDistance answer = *signed_distance(index_, p);
-                    if (std::abs(answer.distance) <= band_) {
-                        put_answer(at, p, answer);
-                    } else {
-                        put(at, std::copysign(band_, answer.distance), Vec3::Zero(),
-                            SignMethod::winding_number);
-                    }
-                }
+        for (std::uint32_t z = k; z < k + block.size[2]; ++z) {
+            for (std::uint32_t y = j; y < j + block.size[1]; ++y) {
+                const std::size_t row = grid_.position(i, y, z);
+                for (std::uint32_t x = 0; x < block.size[0]; ++x)
+                    visit(row + x, grid_.point(i + x, y, z));
             }
         }
     }
 
-private:
     [[nodiscard]] double distance_of(const RowDistance& found) const noexcept
     {
         return std::sqrt(row_scale_of(parts_).unscale_squared(found.squared));
     }
 
-    void describe(std::size_t at, const Vec3& p, const RowDistance& found) const
+    void put_beyond(std::size_t at, bool inside) const
     {
-        // Not nothing: the index has signs and the point is finite.
-        put_answer(at, p, *sign_of(index_, describe_closest(parts_, found), p));
+        put(at, inside ? -band_ : band_, Vec3::Zero(), SignMethod::winding_number);
     }
 
     void put_answer(std::size_t at, const Vec3& p, const SignedDistance& answer) const

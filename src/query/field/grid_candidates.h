@@ -35,7 +35,7 @@ public:
         size_ = 0;
     }
 
-    /// Of a leaf's vertices, drawn out as those of blocks are, by more than floats round.
+    /// Adds a leaf. Its box is about its vertices, and larger by more than floats round.
     void add(const IndexLeaf& leaf, std::uint32_t position)
     {
         constexpr float rounding = 0x1p-20F;
@@ -57,6 +57,7 @@ public:
         group.leaves[lane] = position;
     }
 
+    /// Adds a box of another list.
     void add(const Group& from, std::size_t at)
     {
         Group& group = group_for_one_more();

@@ -240,6 +240,7 @@ public:
 private:
     static constexpr double infinite = std::numeric_limits<double>::infinity();
     static constexpr std::uint32_t no_leaf = ~std::uint32_t{0};
+
     /// To look at so many takes longer than to search the tree for each point.
     [[nodiscard]] static std::size_t most_leaves(const GridBlock& block) noexcept
     {
@@ -453,7 +454,7 @@ private:
         return query.best;
     }
 
-    /// The same, in these triangles.
+    /// The closest feature of p among these triangles.
     HWY_NOINLINE RowDistance search_triangles(const TriangleLanes& triangles, const Vec3& p,
                                               double known)
     {

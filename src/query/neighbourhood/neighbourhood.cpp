@@ -89,7 +89,8 @@ void visit_rows(const IndexParts& index, std::span<const TriangleRow<Scalar>> ro
     }
 }
 
-/// The same for whatever rows there are. The radius is in the mesh's unit.
+/// Calls visit(row, squared) as visit_rows does, for an index with rows of floats or of doubles. The
+/// radius is in the mesh's unit.
 template <class Visit>
 void visit_within(const IndexParts& index, const Vec3& p, double radius,
                   const Visit& visit) noexcept
