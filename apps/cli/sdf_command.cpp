@@ -1,4 +1,5 @@
-// proxima sdf: the signed distances of a mesh at all points of a regular grid, as a file for NumPy or VTK.
+// proxima sdf: the signed distances of a mesh at all points of a regular grid, as a file for NumPy, VTK or
+// OpenVDB.
 #include "base/file_extension.h"
 #include "base/memory_budget.h"
 #include "base/output_file.h"
@@ -9,6 +10,7 @@
 #include "cli/names.h"
 #include "cli/npy_header.h"
 #include "cli/stopwatch.h"
+#include "cli/vdb_file.h"
 #include "octree/vtk_xml.h"
 #include "proxima/distance_field.h"
 #include "proxima/mesh_io.h"
@@ -26,7 +28,7 @@ namespace proxima {
 
 namespace {
 
-enum class FieldFormat : std::uint8_t { none, npy, vti };
+enum class FieldFormat : std::uint8_t { none, npy, vti, vdb };
 
 struct SdfOptions {
     std::string model;
@@ -53,8 +55,12 @@ Result<FieldFormat> format_of(const std::string& path)
     const std::string extension = lower_case_extension(path);
     if (extension == ".npy") return FieldFormat::npy;
     if (extension == ".vti") return FieldFormat::vti;
+    if (extension == ".vdb") {
+        const auto writer = vdb_writer(path); // before the long work
+        return writer ? Result<FieldFormat>(FieldFormat::vdb) : tl::unexpected(writer.error());
+    }
     return fail(ErrorCode::unsupported_format,
-                concat("the extension ", extension, " is none of .npy and .vti"), path);
+                concat("the extension ", extension, " is none of .npy, .vti and .vdb"), path);
 }
 
 /// The box of the mesh that the index is of.
@@ -65,7 +71,8 @@ Result<Box> box_of(const MeshIndex& index)
     return bounding_box(*mesh);
 }
 
-Result<Field> make_field(const MeshIndex& index, const SdfOptions& options, Session& session)
+Result<Field> make_field(const MeshIndex& index, const SdfOptions& options, FieldFormat format,
+                         Session& session)
 {
     const auto box = box_of(index);
     if (!box) return tl::unexpected(box.error());
@@ -75,7 +82,8 @@ Result<Field> make_field(const MeshIndex& index, const SdfOptions& options, Sess
                                (options.methods ? sizeof(SignMethod) : 0);
     MemoryBudget budget;
     if (options.budget_mb != 0) budget.bytes = options.budget_mb * 1'000'000;
-    if (Status status = check_budget(budget, each * grid->point_count(),
+    const std::uint64_t file_bytes = format == FieldFormat::vdb ? vdb_bytes(*grid) : 0;
+    if (Status status = check_budget(budget, each * grid->point_count() + file_bytes,
                                      concat("a grid of ", grid->size[0], " x ", grid->size[1],
                                             " x ", grid->size[2], " points"),
                                      "take a coarser one, leave out arrays or raise --budget-mb");
@@ -132,6 +140,15 @@ Status write_vti(const Field& field, const std::string& path, Progress* progress
     return xml.write(path, progress);
 }
 
+Status write_field(const Field& field, FieldFormat format, const SdfOptions& options,
+                   Session& session)
+{
+    Progress* const progress = &session.progress();
+    if (format == FieldFormat::npy) return write_npy(field, options.out, progress);
+    if (format == FieldFormat::vti) return write_vti(field, options.out, progress);
+    return write_vdb(field.grid, field.distances, options.band, options.out, progress);
+}
+
 /// What a field is like.
 struct FieldCounts {
     double least = HUGE_VAL;
@@ -158,7 +175,7 @@ Status run_sdf(const SdfOptions& options, Session& session)
     const auto searcher = make_closest_searcher(options.model, {.is_signed = true}, session);
     if (!searcher) return tl::unexpected(searcher.error());
     const Stopwatch watch;
-    const auto field = make_field(searcher->index, options, session);
+    const auto field = make_field(searcher->index, options, *format, session);
     if (!field) return at_model(field.error(), options.model);
     const double seconds = watch.seconds();
     const FieldCounts counts(*field, options.band);
@@ -176,10 +193,7 @@ Status run_sdf(const SdfOptions& options, Session& session)
                                   ? fmt::format(", beyond the band {}", counts.beyond)
                                   : std::string()));
     if (*format != FieldFormat::none) {
-        const Status status = *format == FieldFormat::npy
-                                  ? write_npy(*field, options.out, &session.progress())
-                                  : write_vti(*field, options.out, &session.progress());
-        if (!status) return status;
+        if (Status status = write_field(*field, *format, options, session); !status) return status;
         session.print(fmt::format("wrote {}\n", options.out));
     }
     nlohmann::ordered_json band;
@@ -250,7 +264,8 @@ Command add_sdf_command(CLI::App& app)
     parser
         ->add_option("--out", options->out,
                      "Write the grid: .npy, an array of float64 by x, y, z; .vti, an image of VTK "
-                     "and ParaView")
+                     "and ParaView; .vdb, a level set of OpenVDB, where the program was built "
+                     "with it")
         ->type_name("FILE");
     parser->callback([options] {
         if ((options->gradients || options->methods) &&

@@ -23,22 +23,25 @@ TriangleMesh make_mesh(const py::object& vertices, const py::object& faces)
     return value_of(make_triangle_mesh({points.begin(), points.end()}, corners_of(faces, "faces")));
 }
 
-Weld weld_of(std::optional<bool> weld)
+ReadOptions read_options(std::optional<bool> weld, bool points_and_lines, Progress* progress)
 {
-    if (!weld) return Weld::by_format;
-    return *weld ? Weld::exact_positions : Weld::never;
+    return {.weld = !weld   ? Weld::by_format
+                    : *weld ? Weld::exact_positions
+                            : Weld::never,
+            .primitives = points_and_lines ? Primitives::points_and_lines : Primitives::triangles,
+            .execution = {.progress = progress}};
 }
 
 TriangleMesh read(const std::filesystem::path& path, std::optional<bool> weld,
-                  const py::object& progress)
+                  bool points_and_lines, const py::object& progress)
 {
     return run(progress, Duration::lengthy, [&](Progress* watched) {
-        return read_mesh(path, {.weld = weld_of(weld), .execution = {.progress = watched}});
+        return read_mesh(path, read_options(weld, points_and_lines, watched));
     });
 }
 
 TriangleMesh from_bytes(const py::buffer& data, const std::string& format, std::optional<bool> weld,
-                        const py::object& progress)
+                        bool points_and_lines, const py::object& progress)
 {
     const auto known = format_of_path("data." + format);
     if (!known) {
@@ -50,8 +53,7 @@ TriangleMesh from_bytes(const py::buffer& data, const std::string& format, std::
     if (!PyBuffer_IsContiguous(memory.view(), 'C')) refuse("data", "must be contiguous");
     const std::span bytes(static_cast<const std::byte*>(memory.ptr), size);
     return run(progress, Duration::lengthy, [&](Progress* watched) {
-        return read_mesh_from_memory(bytes, *known,
-                                     {.weld = weld_of(weld), .execution = {.progress = watched}});
+        return read_mesh_from_memory(bytes, *known, read_options(weld, points_and_lines, watched));
     });
 }
 
@@ -120,20 +122,22 @@ float32 or float64, any memory order; both arrays are copied. Raises InvalidInpu
 range. NaN and infinite coordinates are refused when an Index or an Octree is built.)");
     mesh.def(py::init(&make_mesh), py::arg("vertices"), py::arg("faces"))
         .def_static("read", &read, py::arg("path"), py::kw_only(), py::arg("weld") = py::none(),
-                    py::arg("progress") = py::none(),
-                    R"(Reads OBJ, PLY, STL or OFF in float64; 3DS, glTF and GLB by assimp.
+                    py::arg("points_and_lines") = false, py::arg("progress") = py::none(),
+                    R"(Reads OBJ, PLY, STL, OFF or XYZ in float64; 3DS, glTF and GLB by assimp.
 
 Polygons become triangles; vertices and faces keep the order of the file.
 
-    weld  True: vertices at one position become one; False: never; None: for STL and 3DS, whose vertices repeat
+    weld              True: vertices at one position become one; False: never; None: for STL and 3DS, whose vertices repeat
+    points_and_lines  read points (v, v, v) and segments (v, w, w) of OBJ, PLY and OFF, too; XYZ has points only
 
 Raises FileMissing, or InvalidInput with file and line.)")
         .def_static("from_bytes", &from_bytes, py::arg("data"), py::arg("format"), py::kw_only(),
-                    py::arg("weld") = py::none(), py::arg("progress") = py::none(),
+                    py::arg("weld") = py::none(), py::arg("points_and_lines") = false,
+                    py::arg("progress") = py::none(),
                     R"(Reads a file that is in memory: bytes, a memoryview, an array of uint8.
 
-    format  "obj", "ply", "stl", "off", "3ds", "gltf" or "glb"
-    weld    as in read()
+    format                  "obj", "ply", "stl", "off", "xyz", "3ds", "gltf" or "glb"
+    weld, points_and_lines  as in read()
 
 Raises InvalidInput with the line or byte. A glTF that refers to other files is refused.)")
         .def("write", &write, py::arg("path"), py::kw_only(), py::arg("ascii") = false,

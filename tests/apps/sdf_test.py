@@ -2,9 +2,11 @@
 import ast
 import csv
 import math
+import os
 import random
 import re
 import struct
+import subprocess
 import unittest
 
 from closest_test import bumpy_ball
@@ -105,6 +107,71 @@ class Filling(ProgramTest):
         self.assertEqual(out.read_bytes(), first)
 
 
+class LevelSets(ProgramTest):
+    """.vdb files, where the program was built with OpenVDB, which reads them back."""
+
+    def setUp(self):
+        super().setUp()
+        self.reader = os.environ.get("READ_VDB")
+        if not self.reader:
+            self.skipTest("built without OpenVDB")
+
+    def read_vdb(self, path, size):
+        lines = subprocess.run([self.reader, path, *map(str, size)], capture_output=True, text=True, check=True).stdout.splitlines()
+        numbers = [line.split() for line in lines[3:-1]]
+        return {"head": lines[0].rsplit(" ", 1), "origin": list(map(float, lines[1].split())), "step": list(map(float, lines[2].split())),
+                "values": [float(v) for v, _ in numbers], "active": [a == "1" for _, a in numbers], "count": int(lines[-1])}
+
+    def test_a_band_is_a_level_set(self):
+        # More than a leaf of 8^3 on each side, with whole leaves inside and outside the band.
+        options = ["sdf", "icosphere:3", "--resolution", "41", "--band", "0.15"]
+        self.json_of(*options, "--out", self.folder / "field.npy")
+        result = self.json_of(*options, "--out", self.folder / "field.vdb")
+        shape, distances = read_grid(self.folder / "field.npy")
+        field = self.read_vdb(self.folder / "field.vdb", shape)
+        kind, background = field["head"]
+        to_float = lambda d: struct.unpack("f", struct.pack("f", d))[0]
+        self.assertEqual((kind, to_float(float(background))), ("level set", to_float(0.15)))
+        self.assertEqual([to_float(v) for v in field["values"]], [to_float(d) for d in distances])
+        self.assertEqual(field["active"], [abs(d) != 0.15 for d in distances])
+        self.assertEqual(field["count"], len(distances) - result["beyond"])
+        self.assertTrue(any(d == -0.15 for d in distances))
+        for found, told in zip(field["origin"] + field["step"], result["origin"] + 3 * [result["spacing"]]):
+            self.assertAlmostEqual(found, told, delta=1e-15)
+        dense = len(distances) * 4
+        self.assertLess((self.folder / "field.vdb").stat().st_size, dense)
+
+    def test_without_a_band_every_point_is_there(self):
+        for model, size in (("torus:30x15", "20"), ("cube", "8")):
+            self.json_of("sdf", model, "--resolution", size, "--out", self.folder / "field.npy")
+            self.json_of("sdf", model, "--resolution", size, "--out", self.folder / "field.vdb")
+            shape, distances = read_grid(self.folder / "field.npy")
+            field = self.read_vdb(self.folder / "field.vdb", shape)
+            self.assertEqual(field["head"][0], "unknown")
+            self.assertTrue(all(field["active"]))
+            self.assertEqual(field["count"], len(distances))
+            for found, told in zip(field["values"], distances):
+                self.assertAlmostEqual(found, told, delta=1e-7 * abs(told))
+
+    def test_what_floats_do_not_hold(self):
+        model = self.file("huge.off", "OFF\n3 1 0\n0 0 0\n1e60 0 0\n0 1e60 0\n3 0 1 2\n")
+        out = self.folder / "field.vdb"
+        self.refuse("sdf", model, "--resolution", "5", "--out", out, says=["floats", ".npy"])
+        self.assertFalse(out.exists())
+
+    def test_memory_of_the_tree_is_part_of_the_budget(self):
+        options = ["sdf", "cube", "--resolution", "100", "--budget-mb", "10", "--out"]
+        self.succeed(*options, self.folder / "field.npy")
+        self.refuse(*options, self.folder / "field.vdb", says="--budget-mb")
+
+
+class WithoutOpenVdb(ProgramTest):
+    def test_says_what_to_do(self):
+        if os.environ.get("READ_VDB"):
+            self.skipTest("built with OpenVDB")
+        self.refuse("sdf", "cube", "--out", self.folder / "field.vdb", says=["OpenVDB", ".npy"])
+
+
 class Refusing(ProgramTest):
     def test_bad_options(self):
         for options, says in (
@@ -116,7 +183,7 @@ class Refusing(ProgramTest):
                 self.refuse("sdf", "cube", *options, status=2, says=says)
 
     def test_outputs_that_cannot_be(self):
-        self.refuse("sdf", "cube", "--out", self.folder / "field.txt", says=[".npy", ".vti"])
+        self.refuse("sdf", "cube", "--out", self.folder / "field.txt", says=[".npy", ".vti", ".vdb"])
         self.refuse("sdf", "cube", "--out", self.folder / "none" / "field.npy", says="none")
 
     def test_grids_too_large(self):

@@ -77,6 +77,24 @@ def test_reads_what_it_writes(tmp_path, mesh, name):
 
 
 @pytest.mark.skipif(not list(Path(proxima.__file__).parent.glob("libproxima_scenes*")), reason="built without assimp")
+def test_reads_points_and_lines():
+    text = b"v 0 0 0\nv 1 0 0\nl 1 2\np 2\n"
+    assert len(proxima.Mesh.from_bytes(text, "obj").faces) == 0
+    lines = proxima.Mesh.from_bytes(text, "obj", points_and_lines=True)
+    assert np.array_equal(lines.faces, [[0, 1, 1], [1, 1, 1]])
+
+
+def test_finds_the_closest_points_of_a_cloud(tmp_path):
+    points = np.random.default_rng(5).normal(size=(500, 3))
+    np.savetxt(tmp_path / "cloud.xyz", points, fmt="%.17g")
+    index = proxima.Index(proxima.Mesh.read(tmp_path / "cloud.xyz"))
+    asked = np.random.default_rng(6).normal(size=(200, 3))
+    distances = np.linalg.norm(asked[:, None] - points, axis=2)
+    found = index.closest(asked)
+    assert np.array_equal(found.triangle, distances.argmin(axis=1))
+    assert np.allclose(found.distance, distances.min(axis=1), rtol=1e-14)
+
+
 def test_reads_scenes():
     scene = proxima.Mesh.read("fuzz/corpus/glb/two_tetrahedra.glb")
     assert len(scene.faces) == 8

@@ -163,7 +163,7 @@ OFFERED = {
         "SurfaceMaterial.dynamic_friction": "Material.dynamic_friction", "object_of": "Contacts.object",
         "triangle_of": "Contacts.triangle"},
     "triangle_mesh.h": {
-        "make_triangle_mesh": "Mesh", "checked_bounding_box bounding_box": "Mesh.bounds",
+        "make_triangle_mesh mesh_of_points mesh_of_segments": "Mesh", "checked_bounding_box bounding_box": "Mesh.bounds",
         "TriangleMesh.position TriangleMesh.positions TriangleMesh.vertex_count": "Mesh.vertices",
         "TriangleMesh.triangle TriangleMesh.triangles TriangleMesh.triangle_count": "Mesh.faces", "mesh_fingerprint": "Mesh.fingerprint"},
     "view_volume.h": {
