@@ -15,17 +15,19 @@ set(work ${PROJECT_BINARY_DIR}/packages)
 
 # The manual pages and the completion, from the program's own help.
 set(manual ${work}/manual)
-set(made ${manual}/proxima.bash)
+set(made ${manual}/proxima.bash ${manual}/_proxima ${manual}/proxima.fish)
 add_custom_command(OUTPUT ${made}
   COMMAND ${CMAKE_COMMAND} -E rm -rf ${manual}
   COMMAND Python3::Interpreter -B ${PROJECT_SOURCE_DIR}/scripts/manual.py $<TARGET_FILE:proxima_cli> ${manual}
   COMMAND ${PROXIMA_GZIP} -9nr --suffix .gz ${manual}
-  COMMAND ${PROXIMA_GZIP} -d ${manual}/proxima.bash.gz
+  COMMAND ${PROXIMA_GZIP} -d ${manual}/proxima.bash.gz ${manual}/_proxima.gz ${manual}/proxima.fish.gz
   DEPENDS proxima_cli ${PROJECT_SOURCE_DIR}/scripts/manual.py ${PROJECT_SOURCE_DIR}/scripts/option_table.py
   VERBATIM)
 add_custom_target(proxima_manual ALL DEPENDS ${made})
 install(DIRECTORY ${manual}/ DESTINATION ${CMAKE_INSTALL_MANDIR}/man1 COMPONENT tools FILES_MATCHING PATTERN "*.1.gz")
-install(FILES ${made} DESTINATION ${CMAKE_INSTALL_DATADIR}/bash-completion/completions RENAME proxima COMPONENT tools)
+install(FILES ${manual}/proxima.bash DESTINATION ${CMAKE_INSTALL_DATADIR}/bash-completion/completions RENAME proxima COMPONENT tools)
+install(FILES ${manual}/_proxima DESTINATION ${CMAKE_INSTALL_DATADIR}/zsh/vendor-completions COMPONENT tools)
+install(FILES ${manual}/proxima.fish DESTINATION ${CMAKE_INSTALL_DATADIR}/fish/vendor_completions.d COMPONENT tools)
 
 install(FILES README.md CHANGELOG.md CONTRIBUTING.md LICENSE DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/proxima-doc COMPONENT doc)
 install(DIRECTORY docs DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/proxima-doc COMPONENT doc PATTERN site EXCLUDE)

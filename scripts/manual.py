@@ -1,7 +1,8 @@
 #!/usr/bin/env python3
-"""Writes the manual pages and the completion for bash, from what the program's --help prints.
+"""Writes the manual pages and the completion for bash, zsh and fish, from what the program's --help prints.
 
-    scripts/manual.py PROGRAM FOLDER         FOLDER/proxima.1, FOLDER/proxima-COMMAND.1 of each command, FOLDER/proxima.bash
+    scripts/manual.py PROGRAM FOLDER         FOLDER/proxima.1, FOLDER/proxima-COMMAND.1 of each command, FOLDER/proxima.bash,
+                                             FOLDER/_proxima for zsh, FOLDER/proxima.fish
 """
 import re
 import subprocess
@@ -57,6 +58,51 @@ def write_pages(program, folder):
             entries("OPTIONS", list(options_of(program, command))), [".SH SEE ALSO", "\\fBproxima\\fR(1)"]))
 
 
+def listed_values(value):
+    """The values of an option that has a list of them."""
+    found = re.search(r"\{([\w,-]+)\}", value)
+    return found[1].split(",") if found else []
+
+
+def quoted(text):
+    """A word of zsh, whatever is in it."""
+    return "'" + text.replace("'", "'\\''") + "'"
+
+
+def quoted_for_fish(text):
+    return quoted(text.replace("\\", "\\\\"))
+
+
+def write_zsh(program, folder):
+    def spec(name, value, words):
+        meaning = re.sub(r"([\[\]:\\])", r"\\\1", words)
+        listed = listed_values(value)
+        what = "" if not value else f":{re.sub(r'[^A-Z]', '', value.split(' in ')[0].split(':')[0]) or 'value'}:" + (f"({' '.join(listed)})" if listed else "_files")
+        return quoted(f"*{name}[{meaning}]{what}")
+
+    commands = section(help_of(program), "Subcommands")
+    described = " ".join(quoted(name + ":" + words.replace(":", "\\:")) for name, _, words in commands)
+    lines = ["#compdef proxima", "# Completion of the program proxima for zsh.", "_proxima()", "{", "  local -a commands options",
+             f"  commands=({described})", "  if ((CURRENT == 2)); then", "    _describe command commands", "    return", "  fi",
+             "  local command=$words[2]", "  shift words", "  ((CURRENT -= 1))", "  case $command in"]
+    for command, _, _ in commands:
+        specs = " ".join(spec(*option) for option in options_of(program, command))
+        lines.append(f"    {command}) options=({specs}) ;;")
+    lines += ["  esac", "  _arguments -S $options '--help[Print what the command does and its options]' '*:file:_files'", "}", '_proxima "$@"']
+    (folder / "_proxima").write_text("\n".join(lines) + "\n")
+
+
+def write_fish(program, folder):
+    lines = ["# Completion of the program proxima for fish."]
+    for command, _, words in section(help_of(program), "Subcommands"):
+        lines.append(f"complete -c proxima -f -n __fish_use_subcommand -a {command} -d {quoted_for_fish(words)}")
+        for name, value, meaning in options_of(program, command):
+            listed = listed_values(value)
+            takes = f" -x -a '{' '.join(listed)}'" if listed else " -r" if value else ""
+            lines.append(f"complete -c proxima -n '__fish_seen_subcommand_from {command}' -l {name.removeprefix('--')}{takes} -d {quoted_for_fish(meaning)}")
+    (folder / "proxima.fish").write_text("\n".join(lines) + "\n")
+
+
 def write_completion(program, folder):
     """Commands, their options, and the values of options that have a list of them; files everywhere else."""
     cases = []
@@ -64,8 +110,8 @@ def write_completion(program, folder):
         options = [(name, value) for name, value, _ in options_of(program, command)]
         cases.append(f"    {command}) options='{' '.join(name for name, _ in options)} --help' ;;")
         for name, value in options:
-            if listed := re.search(r"\{([\w,-]+)\}", value):
-                cases.append(f"    {command}{name}) values='{listed[1].replace(',', ' ')}' ;;")
+            if listed := listed_values(value):
+                cases.append(f"    {command}{name}) values='{' '.join(listed)}' ;;")
     (folder / "proxima.bash").write_text(f"""# Completion of the program proxima for bash.
 _proxima()
 {{
@@ -102,6 +148,8 @@ def main():
     folder.mkdir(parents=True, exist_ok=True)
     write_pages(program, folder)
     write_completion(program, folder)
+    write_zsh(program, folder)
+    write_fish(program, folder)
 
 
 if __name__ == "__main__":

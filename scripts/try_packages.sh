@@ -36,12 +36,14 @@ assert len(proxima.Mesh.read("/program/two_tetrahedra.glb").faces) == 8
 assert ProximityQuery(mesh).signed_distance([[0.1, 0.2, 0.3]])[0] > 0
 EOF
 
-quietly apt-get install -y --no-install-recommends man-db bash-completion
+quietly apt-get install -y --no-install-recommends man-db bash-completion zsh fish
 for page in proxima proxima-octree proxima-touch; do
   [ "$(man --warnings "$page" 2>/tmp/warnings | wc -l)" -gt 10 ] && [ ! -s /tmp/warnings ] || { echo "manual page $page"; cat /tmp/warnings; exit 1; }
 done
 bash -c 'source /usr/share/bash-completion/completions/proxima; COMP_WORDS=(proxima touch --gu); COMP_CWORD=2; _proxima; [ "${COMPREPLY[*]}" = --guard ]'
-echo "manual pages open, and the completion completes"
+[ "$(fish -c 'complete -C "proxima touch cube --gu"' | cut -f 1)" = --guard ]
+zsh -c 'autoload -U compinit; compinit -u -D; [ "$_comps[proxima]" = _proxima ] && autoload +X _proxima'
+echo "manual pages open, and the completions of bash, zsh and fish are there"
 
 quietly apt-get install -y --no-install-recommends g++ cmake make pkg-config
 cd /program

@@ -128,6 +128,16 @@ class Octree(ProgramTest):
             self.assertEqual(completed("proxima", "touch", "cube", "--gu"), ["--guard"])
             self.assertEqual(completed("proxima", "touch", "cube", "--guard", ""), ["off", "observe", "on"])
             self.assertEqual(completed("proxima", "cull", "--guard", ""), [])  # files
+            for _, name, _, users, *_ in rows:
+                for text in ((pathlib.Path(folder) / "_proxima").read_text(), (pathlib.Path(folder) / "proxima.fish").read_text()):
+                    self.assertRegex(text, f"{name.strip(' `').removeprefix('--')}[^a-z-]")
+            if shutil.which("zsh"):
+                subprocess.run(["zsh", "-n", pathlib.Path(folder) / "_proxima"], check=True)
+            if shutil.which("fish"):
+                for line, word in (("proxima oc", "octree"), ("proxima touch cube --gu", "--guard"), ("proxima touch cube --guard ob", "observe")):
+                    found = subprocess.run(["fish", "-c", f"source {folder}/proxima.fish; complete -C '{line}'"], check=True,
+                                           capture_output=True, text=True).stdout
+                    self.assertEqual([row.split("\t")[0] for row in found.splitlines()], [word])
 
     def test_a_threshold_that_makes_a_build_large_is_told(self):
         words = "--threshold 1 splits round edges"
