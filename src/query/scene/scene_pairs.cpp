@@ -19,16 +19,27 @@ namespace {
 
 constexpr std::size_t rows_per_task = 64;
 
-double squared_gap(const Box& a, const Box& b) noexcept
-{
-    double squared = 0;
-    for (int axis = 0; axis < 3; ++axis) {
-        const double gap =
-            std::max({a.lower[axis] - b.upper[axis], b.lower[axis] - a.upper[axis], 0.0});
-        squared += gap * gap;
+/// How near boxes must be, in units of a scene's tree, where squares stay within the doubles.
+struct BoxReach {
+    double scale;
+    double squared;
+
+    BoxReach(const SceneParts& scene, double distance) noexcept
+        : scale(scene.tree.parts().scale()), squared(distance * scale * (distance * scale))
+    {}
+    [[nodiscard]] bool has(const Box& a, const Box& b) const noexcept
+    {
+        double sum = 0;
+        bool apart = false;
+        for (int axis = 0; axis < 3; ++axis) {
+            const double gap =
+                std::max({a.lower[axis] - b.upper[axis], b.lower[axis] - a.upper[axis], 0.0});
+            apart = apart || gap > 0;
+            sum += gap * scale * (gap * scale);
+        }
+        return squared == 0 ? !apart : sum <= squared;
     }
-    return squared;
-}
+};
 
 bool are_wanted(const SceneRow& a, const SceneRow& b, const ScenePairOptions& options) noexcept
 {
@@ -45,7 +56,7 @@ struct PairRows {
 /// Calls visit(rows) for all pairs whose boxes are near enough and whose first row is in [first, end).
 template <class Visit>
 void visit_pairs_of(const SceneParts& scene, std::uint32_t first, std::uint32_t end,
-                    double most_squared, const ScenePairOptions& options, const Visit& visit)
+                    const BoxReach& reach, const ScenePairOptions& options, const Visit& visit)
 {
     const auto asks = [&](const SceneRow& row) {
         return (row.layers & (options.layers | options.others)) != 0;
@@ -61,25 +72,24 @@ void visit_pairs_of(const SceneParts& scene, std::uint32_t first, std::uint32_t 
             box.extend(scene.rows[row].box.upper);
         }
         if (box.empty()) continue;
-        visit_near(scene.tree.parts(), box, most_squared, [&](RowRange range) noexcept {
-            for (std::uint32_t other = std::max(range.first, from + 1);
-                 other < range.first + range.count; ++other) {
+        NearWalk walk(scene.tree.parts(), box, reach.squared);
+        while (const IndexLeaf* const leaf = walk.next_leaf()) {
+            for (std::uint32_t other = std::max(leaf->first_row, from + 1);
+                 other < leaf->first_row + leaf->count; ++other) {
                 const SceneRow& b = scene.rows[other];
                 for (std::uint32_t row = from; row < std::min(to, other); ++row) {
                     const SceneRow& a = scene.rows[row];
-                    if (!(squared_gap(a.box, b.box) <= most_squared) || !are_wanted(a, b, options))
-                        continue;
+                    if (!reach.has(a.box, b.box) || !are_wanted(a, b, options)) continue;
                     visit(a.instance < b.instance ? PairRows{row, other} : PairRows{other, row});
                 }
             }
-            return most_squared;
-        });
+        }
     }
 }
 
 /// All pairs for which ask(rows) has an answer, ascending. Errors: budget_exceeded, cancelled.
 template <class Found, class Ask>
-Result<std::vector<Found>> find_pairs(const SceneParts& scene, double most_squared,
+Result<std::vector<Found>> find_pairs(const SceneParts& scene, const BoxReach& reach,
                                       const ScenePairOptions& options, const Ask& ask)
 {
     const Execution& execution = options.execution;
@@ -93,7 +103,7 @@ Result<std::vector<Found>> find_pairs(const SceneParts& scene, double most_squar
                         if (is_cancelled(execution.progress) || count > most) return;
                         std::vector<Found>& own = found[first / rows_per_task];
                         visit_pairs_of(scene, static_cast<std::uint32_t>(first),
-                                       static_cast<std::uint32_t>(end), most_squared, options,
+                                       static_cast<std::uint32_t>(end), reach, options,
                                        [&](const PairRows& rows) {
                                            if (is_cancelled(execution.progress) || count > most)
                                                return;
@@ -141,7 +151,7 @@ Result<std::vector<InstancePair>> pairs_in_contact(const Scene& scene,
 {
     const SceneParts& parts = scene.parts();
     return find_pairs<InstancePair>(
-        parts, 0, options, [&](const PairRows& rows) -> std::optional<InstancePair> {
+        parts, {parts, 0}, options, [&](const PairRows& rows) -> std::optional<InstancePair> {
             const bool meet =
                 meshes_intersect(parts.index(parts.rows[rows.a]), parts.index(parts.rows[rows.b]),
                                  relative_pose(parts.poses[rows.a], parts.poses[rows.b]));
@@ -157,7 +167,7 @@ Result<std::vector<NearInstances>> pairs_within(const Scene& scene, double dista
     // Poses change lengths by 2^-29 at most.
     const double most = distance * (1 + 0x1p-28);
     return find_pairs<NearInstances>(
-        parts, most * most, options, [&](const PairRows& rows) -> std::optional<NearInstances> {
+        parts, {parts, most}, options, [&](const PairRows& rows) -> std::optional<NearInstances> {
             const auto near = mesh_distance(
                 parts.index(parts.rows[rows.a]), parts.index(parts.rows[rows.b]),
                 relative_pose(parts.poses[rows.a], parts.poses[rows.b]), {.farthest = distance});
@@ -174,7 +184,7 @@ Result<std::vector<InstancePair>> overlapping_bounds(const Scene& scene, double 
     if (Status status = check_distance(distance); !status) return tl::unexpected(status.error());
     const SceneParts& parts = scene.parts();
     return find_pairs<InstancePair>(
-        parts, distance * distance, options,
+        parts, {parts, distance}, options,
         [&](const PairRows& rows) -> std::optional<InstancePair> { return pair_of(parts, rows); });
 }
 

@@ -7,7 +7,9 @@
 #include "query/scene/scene_parts.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <limits>
 
 namespace proxima {
 
@@ -27,23 +29,98 @@ double length_of(const Vec3& v) noexcept
     return std::sqrt((x * x + y * y) + z * z) / scale;
 }
 
-/// Of what is as near as `distance` in an instance's coordinates, the box is no farther.
-double farthest_box(double distance, double slack) noexcept
-{
-    // Poses change lengths by 2^-29 at most.
-    return distance * (1 + 0x1p-28) + slack;
-}
-
-/// The box's distance from p, squared.
-double squared_distance(const Box& box, const Vec3& p) noexcept
+/// The box's distance from p, in the units of a tree, squared.
+double squared_distance(const Box& box, const Vec3& p, double scale) noexcept
 {
     double squared = 0;
     for (int axis = 0; axis < 3; ++axis) {
-        const double gap = std::max({box.lower[axis] - p[axis], p[axis] - box.upper[axis], 0.0});
+        const double gap =
+            scale * std::max({box.lower[axis] - p[axis], p[axis] - box.upper[axis], 0.0});
         squared += gap * gap;
     }
     return squared;
 }
+
+/// A search for the closest feature of a scene.
+class SceneNearest {
+public:
+    SceneNearest(const SceneParts& scene, const Vec3& p,
+                 const SceneFeatureOptions& options) noexcept
+        : scene_(scene), p_(p), options_(options), radius_(options.radius),
+          slack_(scene_roundoff * p.cwiseAbs().maxCoeff() + std::numeric_limits<double>::min())
+    {}
+
+    void search() noexcept
+    {
+        NearWalk walk(scene_.tree.parts(), {p_, p_}, limit());
+        while (const IndexLeaf* const leaf = walk.next_leaf()) {
+            visit(*leaf);
+            walk.shrink(limit());
+        }
+    }
+
+    [[nodiscard]] const std::optional<SceneFeature>& best() const noexcept { return best_; }
+
+private:
+    struct NearRow {
+        double squared;
+        std::uint32_t row;
+    };
+
+    /// Boxes beyond have nothing as near, in units of the tree, squared. Poses change lengths by 2^-29
+    /// at most.
+    [[nodiscard]] double limit() const noexcept
+    {
+        const double reach = (radius_ * (1 + 0x1p-28) + slack_) * scene_.tree.parts().scale();
+        return reach * reach;
+    }
+
+    void visit(const IndexLeaf& leaf) noexcept
+    {
+        std::array<NearRow, 8> near{};
+        std::size_t count = 0;
+        for (std::uint32_t row = leaf.first_row; row < leaf.first_row + leaf.count; ++row) {
+            if ((scene_.rows[row].layers & options_.layers) == 0) continue;
+            const double squared =
+                squared_distance(scene_.rows[row].box, p_, scene_.tree.parts().scale());
+            std::size_t position = count++;
+            for (; position > 0 && near[position - 1].squared > squared; --position)
+                near[position] = near[position - 1];
+            near[position] = {squared, row};
+        }
+        for (std::size_t i = 0; i < count; ++i)
+            if (near[i].squared <= limit() * (1 + 0x1p-40)) ask(near[i].row);
+    }
+
+    void ask(std::uint32_t at) noexcept
+    {
+        const SceneRow& row = scene_.rows[at];
+        const Vec3 local = instance_frame(scene_.poses[at])(p_);
+        double wanted = options_.radius;
+        if (best_) {
+            // Distances of answers are off from those that the index compares by their points' rounding.
+            const double rounding =
+                0x1p-48 * ((*scene_.shapes)[row.shape].reach + local.cwiseAbs().maxCoeff());
+            wanted = std::min(wanted, radius_ * (1 + 0x1p-40) + rounding);
+        }
+        const auto closest = closest_feature(scene_.index(row), local, {.radius = wanted});
+        if (!closest) return;
+        const double distance = length_of(local - closest->point);
+        const InstanceId id{row.instance};
+        if (best_ &&
+            !(distance < best_->distance || (distance == best_->distance && id < best_->instance)))
+            return;
+        best_ = {id, *closest, scene_.poses[at](closest->point), distance};
+        radius_ = std::min(radius_, distance);
+    }
+
+    const SceneParts& scene_;
+    const Vec3& p_;
+    const SceneFeatureOptions& options_;
+    double radius_;
+    double slack_;
+    std::optional<SceneFeature> best_;
+};
 
 } // namespace
 
@@ -52,44 +129,9 @@ std::optional<SceneFeature> closest_feature(const Scene& scene, const Vec3& p,
 {
     const SceneParts& parts = scene.parts();
     if (!p.allFinite() || !(options.radius >= 0) || parts.tree_rows() == 0) return std::nullopt;
-    const double slack =
-        scene_roundoff * p.cwiseAbs().maxCoeff() + std::numeric_limits<double>::min();
-    std::optional<SceneFeature> best;
-    double radius = options.radius;
-    const auto limit_of = [&](double distance) {
-        const double reach = farthest_box(distance, slack);
-        return reach * reach;
-    };
-    const auto visit = [&](std::uint32_t at) {
-        const SceneRow& row = parts.rows[at];
-        const Vec3 local = instance_frame(parts.poses[at])(p);
-        // Squares are rounded: what is as near must not be left out.
-        const double wanted = best ? radius * (1 + 0x1p-40) : radius;
-        const auto closest = closest_feature(parts.index(row), local, {.radius = wanted});
-        if (!closest) return;
-        const double distance = length_of(local - closest->point);
-        const InstanceId id{row.instance};
-        if (best &&
-            !(distance < best->distance || (distance == best->distance && id < best->instance)))
-            return;
-        best = {id, *closest, parts.poses[at](closest->point), distance};
-        radius = std::min(radius, distance);
-    };
-    visit_near(parts.tree.parts(), {p, p}, limit_of(radius), [&](RowRange range) noexcept {
-        std::array<std::pair<double, std::uint32_t>, 8> near{};
-        std::size_t count = 0;
-        for (std::uint32_t row = range.first; row < range.first + range.count; ++row) {
-            if ((parts.rows[row].layers & options.layers) == 0) continue;
-            near[count++] = {squared_distance(parts.rows[row].box, p), row};
-        }
-        std::sort(near.begin(), near.begin() + static_cast<std::ptrdiff_t>(count));
-        for (std::size_t i = 0; i < count; ++i) {
-            if (near[i].first > limit_of(radius) * (1 + 0x1p-40)) break;
-            visit(near[i].second);
-        }
-        return limit_of(radius);
-    });
-    return best;
+    SceneNearest nearest(parts, p, options);
+    nearest.search();
+    return nearest.best();
 }
 
 Status closest_features(const Scene& scene, std::span<const Vec3> points,
