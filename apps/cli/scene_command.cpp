@@ -43,6 +43,7 @@ struct SceneCommandOptions {
 struct SceneAnswers {
     std::string_view columns;
     std::size_t width = 0;
+    std::size_t kind_column;     ///< in CSV a word; beyond all where there is none
     std::vector<double> numbers; ///< row by row
     std::uint64_t queries = 0;
     std::uint64_t found = 0;
@@ -52,7 +53,13 @@ struct SceneAnswers {
     SceneAnswers(std::string_view names, std::size_t count)
         : columns(names), width(static_cast<std::size_t>(1 + std::ranges::count(names, ','))),
           queries(count)
-    {}
+    {
+        const std::size_t at = names.find(",kind");
+        kind_column =
+            at == std::string_view::npos
+                ? width
+                : static_cast<std::size_t>(1 + std::ranges::count(names.substr(0, at), ','));
+    }
     template <std::size_t N>
     void add(const std::array<double, N>& row)
     {
@@ -251,6 +258,24 @@ Result<SceneAnswers> find_pairs(const SceneCommandOptions& options, const Scene&
     return answers;
 }
 
+/// A row of numbers as CSV, or as they are.
+void append_answer(fmt::memory_buffer& text, AnswerFormat format, const SceneAnswers& answers,
+                   std::span<const double> row)
+{
+    if (format == AnswerFormat::npy || answers.kind_column >= row.size())
+        return append_row(text, format, row);
+    for (std::size_t i = 0; i < row.size(); ++i) {
+        const std::string_view comma = i == 0 ? "" : ",";
+        if (i == answers.kind_column && row[i] >= 0) {
+            fmt::format_to(std::back_inserter(text), "{}{}", comma,
+                           kind_name(static_cast<FeatureKind>(static_cast<int>(row[i]))));
+        } else {
+            fmt::format_to(std::back_inserter(text), "{}{:.17g}", comma, row[i]);
+        }
+    }
+    text.push_back('\n');
+}
+
 Status write_answers(const SceneAnswers& answers, const std::string& path)
 {
     auto writer = RowWriter::open(path);
@@ -264,8 +289,8 @@ Status write_answers(const SceneAnswers& answers, const std::string& path)
     for (std::size_t first = 0; first < rows; first += rows_together) {
         fmt::memory_buffer text;
         for (std::size_t i = first; i < std::min(rows, first + rows_together); ++i) {
-            append_row(text, writer->format(),
-                       std::span(answers.numbers).subspan(answers.width * i, answers.width));
+            append_answer(text, writer->format(), answers,
+                          std::span(answers.numbers).subspan(answers.width * i, answers.width));
         }
         if (Status status = writer->write(fmt::to_string(text)); !status) return status;
     }
