@@ -13,6 +13,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     const auto mesh = read_mesh_from_memory(
         std::as_bytes(std::span(data, size)), MeshFormat::PROXIMA_FUZZED_FORMAT,
         {.weld = size % 2 == 0 ? Weld::by_format : Weld::exact_positions,
+         .primitives = size % 3 == 0 ? Primitives::points_and_lines : Primitives::triangles,
          .execution = {.budget = {.bytes = budget}}});
     if (!mesh) {
         PROXIMA_CHECK(!mesh.error().message.empty());

@@ -104,6 +104,8 @@ void add_common_options(CLI::App& parser, CommonOptions& options)
                     "Instruction set of kernels, such as AVX2, instead of the best")
         ->envname("PROXIMA_SIMD")
         ->type_name("NAME");
+    parser.add_flag("--points-and-lines", options.points_and_lines,
+                    "Read points and lines of model files, too, as triangles without area");
     parser.add_flag("--quiet", options.quiet, "Print no report and no progress");
     parser.add_flag("--progress", options.progress,
                     "Show progress on stderr also in a pipe, a line per stage");

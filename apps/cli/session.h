@@ -20,11 +20,12 @@ inline constexpr const char* to_stdout = "-";
 
 /// Options of every subcommand.
 struct CommonOptions {
-    std::string json;           ///< file for the JSON result, "-" for stdout, empty for none
-    std::optional<int> threads; ///< 0 = all that the machine offers; none where not asked for
-    bool quiet = false;         ///< nothing for people, neither text nor a progress bar
-    bool progress = false;      ///< progress also where stderr is no terminal
-    std::string simd;           ///< the instruction set of kernels, empty for the best
+    std::string json;              ///< file for the JSON result, "-" for stdout, empty for none
+    std::optional<int> threads;    ///< 0 = all that the machine offers; none where not asked for
+    bool quiet = false;            ///< nothing for people, neither text nor a progress bar
+    bool progress = false;         ///< progress also where stderr is no terminal
+    bool points_and_lines = false; ///< of files, as triangles without area
+    std::string simd;              ///< the instruction set of kernels, empty for the best
     std::vector<std::string> arguments; ///< values of all options, as given: input files among them
 };
 

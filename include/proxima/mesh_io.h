@@ -4,7 +4,9 @@
 //     if (!mesh) { std::cerr << describe(mesh.error()); ... }   // bunny.obj:12: vertex 9 ... of 8
 //     auto status = write_mesh(*mesh, "bunny.ply");
 //
-// OBJ, PLY, STL and OFF are read in double precision: vertices and faces keep the order of the file.
+// OBJ, PLY, STL, OFF and XYZ are read in double precision: vertices and faces keep the order of the
+// file. Points and lines become triangles without area (mesh_of_points in triangle_mesh.h): those of
+// XYZ files always, those of OBJ, PLY and OFF files where ReadOptions::primitives says so.
 // 3DS, glTF and GLB, whose numbers are float32, are read by assimp where the library was built with
 // PROXIMA_WITH_ASSIMP.
 #pragma once
@@ -24,7 +26,7 @@
 
 namespace PROXIMA_EXPORT proxima {
 
-enum class MeshFormat : std::uint8_t { obj, ply, stl, off, three_ds, gltf, glb };
+enum class MeshFormat : std::uint8_t { obj, ply, stl, off, xyz, three_ds, gltf, glb };
 
 /// Short name for messages: "OBJ", "3DS".
 [[nodiscard]] std::string_view format_name(MeshFormat format) noexcept;
@@ -39,17 +41,25 @@ enum class MeshFormat : std::uint8_t { obj, ply, stl, off, three_ds, gltf, glb }
 /// indices, and for 3DS, which repeats vertices along its smoothing groups.
 enum class Weld : std::uint8_t { by_format, never, exact_positions };
 
+/// What is read of a file. points_and_lines: in the order of the file, points as triangles (v, v, v)
+/// and each segment of a line as (v, w, w): `p` and `l` of OBJ, the element "edge" of PLY, faces of
+/// one or two corners of OFF. Where a file of these formats has nothing but vertices, each is a point.
+/// Changes nothing for STL, 3DS and glTF.
+enum class Primitives : std::uint8_t { triangles, points_and_lines };
+
 struct ReadOptions {
     Weld weld = Weld::by_format;
+    Primitives primitives = Primitives::triangles;
     /// Stages "loading file", "reading mesh": steps are bytes; budget: file, mesh and scratch.
     Execution execution = {};
 };
 
 /// Reads the mesh of a file, its format told by the extension. All objects and groups become one
 /// mesh; normals, texture coordinates, colours and unknown PLY elements are passed over, and so are
-/// points and lines. Polygons of n corners become n - 2 triangles: a fan where that is right, ears
-/// where it is not; degenerate triangles are kept. NaN and infinite coordinates are values here;
-/// checked_bounding_box() refuses them later. A file whose records end early, promise more than
+/// points and lines where options.primitives does not ask for them. An XYZ file has a point on each
+/// line, three numbers and any that follow, which are passed over. Polygons of n corners become n - 2
+/// triangles: a fan where that is right, ears where it is not; degenerate triangles are kept. NaN and
+/// infinite coordinates are values here; checked_bounding_box() refuses them later. A file whose records end early, promise more than
 /// there is, or are followed by something that does not belong to them is refused: nothing is lost
 /// silently. Errors: file_not_found, unsupported_format, malformed_file (with file and line, or
 /// byte), limit_exceeded (a face of more than 2^20 corners, or a concave one of more than 2^14),

@@ -67,6 +67,16 @@ private:
 [[nodiscard]] Result<TriangleMesh> make_triangle_mesh(std::vector<Vec3> positions,
                                                       std::vector<TriangleCorners> triangles);
 
+/// A point cloud as a mesh: triangle i is (i, i, i), without area, and its closest feature is always
+/// vertex i. Every query takes such meshes. They have no inside, and a ray hits them only where it
+/// meets a point exactly. Errors and cost of make_triangle_mesh.
+[[nodiscard]] Result<TriangleMesh> mesh_of_points(std::vector<Vec3> positions);
+
+/// Segments, such as those of polylines, as a mesh: triangle i is (v, w, w) of segment (v, w).
+[[nodiscard]] Result<TriangleMesh>
+mesh_of_segments(std::vector<Vec3> positions,
+                 std::span<const std::array<std::uint32_t, 2>> segments);
+
 /// Tight box of the vertices that triangles use; empty where there is no triangle. O(triangles).
 [[nodiscard]] Box bounding_box(const TriangleMesh& mesh);
 

@@ -14,11 +14,12 @@ struct FormatNames {
     std::string_view extension;
 };
 
-constexpr std::array<FormatNames, 7> format_names{{
+constexpr std::array<FormatNames, 8> format_names{{
     {MeshFormat::obj, "OBJ", ".obj"},
     {MeshFormat::ply, "PLY", ".ply"},
     {MeshFormat::stl, "STL", ".stl"},
     {MeshFormat::off, "OFF", ".off"},
+    {MeshFormat::xyz, "XYZ", ".xyz"},
     {MeshFormat::three_ds, "3DS", ".3ds"},
     {MeshFormat::gltf, "glTF", ".gltf"},
     {MeshFormat::glb, "GLB", ".glb"},

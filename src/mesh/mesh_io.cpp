@@ -8,6 +8,7 @@
 #include "mesh/io/read_off.h"
 #include "mesh/io/read_ply.h"
 #include "mesh/io/read_stl.h"
+#include "mesh/io/read_xyz.h"
 #ifdef PROXIMA_WITH_ASSIMP
 #include "mesh/io/read_with_assimp.h"
 #endif
@@ -58,6 +59,8 @@ Result<TriangleMesh> read_source(const detail::MeshSource& source,
             return detail::read_stl(source, options, vertices);
         case MeshFormat::off:
             return detail::read_off(source, options, vertices);
+        case MeshFormat::xyz:
+            return detail::read_xyz(source, options, vertices);
         case MeshFormat::three_ds:
         case MeshFormat::gltf:
         case MeshFormat::glb:

@@ -3,7 +3,9 @@
 #include "base/hash.h"
 #include "base/text.h"
 
+#include <algorithm>
 #include <limits>
+#include <utility>
 
 namespace proxima {
 
@@ -31,6 +33,24 @@ Result<TriangleMesh> make_triangle_mesh(std::vector<Vec3> positions,
     mesh.positions_ = std::move(positions);
     mesh.triangles_ = std::move(triangles);
     return mesh;
+}
+
+Result<TriangleMesh> mesh_of_points(std::vector<Vec3> positions)
+{
+    const std::size_t most = std::numeric_limits<std::int32_t>::max();
+    std::vector<TriangleCorners> triangles(std::min(positions.size(), most + 1));
+    for (std::size_t i = 0; i < triangles.size(); ++i)
+        triangles[i].fill(static_cast<std::uint32_t>(i));
+    return make_triangle_mesh(std::move(positions), std::move(triangles));
+}
+
+Result<TriangleMesh> mesh_of_segments(std::vector<Vec3> positions,
+                                      std::span<const std::array<std::uint32_t, 2>> segments)
+{
+    std::vector<TriangleCorners> triangles;
+    triangles.reserve(segments.size());
+    for (const auto& [first, second] : segments) triangles.push_back({first, second, second});
+    return make_triangle_mesh(std::move(positions), std::move(triangles));
 }
 
 namespace {

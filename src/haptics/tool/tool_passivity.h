@@ -1,5 +1,5 @@
 // Keeps a tool from being given more energy than it took, as PassivityGuard (passivity.h) keeps a
-// point: the same evidence, answers and recovery, in six dimensions.
+// point, by the same rules (swing_response.h) in six dimensions.
 //
 //     state     displacement of the device's tip, and its turn times turning_lever, m
 //     pull      force, and torque over that lever, N
@@ -13,8 +13,7 @@
 #pragma once
 
 #include "haptics/force/energy_account.h"
-#include "haptics/force/passivity.h"
-#include "haptics/force/swing_detector.h"
+#include "haptics/force/swing_response.h"
 #include "haptics/tool/least_constraint.h"
 #include "proxima/geometry.h"
 #include "proxima/haptic_renderer.h"
@@ -59,51 +58,30 @@ public:
     void reset() noexcept;
 
     /// Like PassivityGuard::softness().
-    [[nodiscard]] double softness() const noexcept { return mode_ == Guard::on ? softness_ : 1; }
+    [[nodiscard]] double softness() const noexcept
+    {
+        return mode_ == Guard::on ? response_.softness() : 1;
+    }
     /// Like PassivityGuard::added_damping(), of a force or at the lever.
     [[nodiscard]] double added_damping() const noexcept
     {
-        return mode_ == Guard::on ? softened_damping() : 0;
+        return mode_ == Guard::on ? response_.damping() : 0;
     }
-    [[nodiscard]] const SwingReport& report() const noexcept { return report_; }
+    [[nodiscard]] const SwingReport& report() const noexcept { return response_.report(); }
 
 private:
-    /// What is known of the motion along one axis.
-    struct Axis {
-        SwingDetector swing;
-        EnergySums leg_began;   ///< the account at the last turn
-        EnergySums cycle_began; ///< and at the turn before
-        bool gives = false;     ///< the last cycle gave more than a device takes
-        int kept_legs = 0;      ///< in succession, since the last answer
-        double trusted_leg = 0; ///< m, of the motion of a hand
-        int leg_late = 0; ///< most ticks in this leg for which the device has not got its pull
-        int last_leg_late = 0;
-    };
-
     [[nodiscard]] EnergySums sums() const noexcept;
-    void judge(Axis& axis, const SwingTick& tick, double stiffness, double seconds) noexcept;
-    void answer(const SwingTick& tick, double needed, bool brief) noexcept;
-    void trust_hand(Axis& axis, double given) noexcept;
-    void soften(double factor) noexcept;
-    [[nodiscard]] double softened_damping() const noexcept;
-    [[nodiscard]] bool is_swinging() const noexcept;
-    void recover(double seconds) noexcept;
     [[nodiscard]] Vec6 clamped(Vec6 pull) const noexcept;
     [[nodiscard]] Vec6 guarded(const Vec6& spring, const Vec6& whole,
                                const Vec6& velocity) const noexcept;
 
     Guard mode_;
     ToolPullLimits limits_;
-    std::array<Axis, 6> axes_;
+    std::array<WatchedMotion, 6> motions_; ///< along each axis
     EnergyAccount linear_;
     EnergyAccount angular_;
-    double trust_ = 0;           ///< s, for which a hand's motion is not answered
+    SwingResponse response_;
     Vec6 wanted_ = Vec6::Zero(); ///< what the device would get without slew limits
-    int late_ = 0;               ///< ticks for which it has not got it
-    double damping_ = 0;
-    double softness_ = 1;
-    double softened_seconds_ = 0; ///< s, of the softening in progress
-    SwingReport report_;
 };
 
 } // namespace proxima

@@ -47,6 +47,14 @@ bool MeshAssembler::reserve_triangles(std::uint64_t count)
     return true;
 }
 
+bool MeshAssembler::add_points_of_vertices()
+{
+    if (!reserve_triangles(positions_.size())) return false;
+    for (std::uint32_t vertex = 0; vertex < positions_.size(); ++vertex)
+        triangles_.push_back({vertex, vertex, vertex});
+    return true;
+}
+
 bool MeshAssembler::reserve_welded(std::size_t more)
 {
     const std::uint64_t needed = welded_.size() + more;

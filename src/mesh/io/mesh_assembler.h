@@ -47,6 +47,21 @@ public:
         return true;
     }
 
+    /// Adds a point or a segment, as a triangle without area. \pre 1 <= corners.size() <= 2
+    [[nodiscard]] bool add_point_or_segment(std::span<const std::uint32_t> corners)
+    {
+        return add_triangle({corners.front(), corners.back(), corners.back()});
+    }
+
+    /// Makes a point of every vertex.
+    [[nodiscard]] bool add_points_of_vertices();
+
+    /// Whether points and lines are read, and not triangles alone.
+    [[nodiscard]] bool takes_points_and_lines() const noexcept
+    {
+        return options_.primitives == Primitives::points_and_lines;
+    }
+
     /// Adds the vertices of which there is no equal one yet (see weld_vertices), and tells the ids
     /// of all: for formats without indices, whose loose corners would be many times the vertices.
     /// Not to be mixed with add_vertex. \pre ids.size() == positions.size() <= weld_block

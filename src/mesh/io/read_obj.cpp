@@ -5,6 +5,7 @@
 #include "mesh/io/text_mesh_reader.h"
 
 #include <algorithm>
+#include <array>
 #include <string_view>
 #include <vector>
 
@@ -14,8 +15,8 @@ namespace {
 
 using ObjCursor = TextCursor<TextDialect{.has_comments = true, .continues_lines = true}>;
 
-// Statements that say nothing about polygons: other vertex data, points and lines, grouping,
-// display, and the curves and attributes of free-form geometry.
+// Statements that say nothing about polygons: other vertex data, points and lines where nobody asked
+// for them, grouping, display, and the curves and attributes of free-form geometry.
 constexpr std::string_view passed_over[] = {
     "vt",   "vn",     "vp",     "g",          "o",         "s",    "usemtl",   "mtllib", "l",
     "p",    "mg",     "cstype", "deg",        "bmat",      "step", "curv",     "curv2",  "parm",
@@ -43,6 +44,11 @@ public:
             (void)refuse_index(largest_index_ + 1);
             return tl::unexpected(error());
         }
+        if (mesh_.takes_points_and_lines() && mesh_.triangle_count() == 0 &&
+            !mesh_.add_points_of_vertices()) {
+            (void)refused_by_mesh();
+            return tl::unexpected(error());
+        }
         return mesh_.finish(vertices);
     }
 
@@ -50,8 +56,11 @@ private:
     bool read_statement()
     {
         const std::string_view keyword = cursor_.word();
+        element_ = keyword == "l" ? "a line" : keyword == "p" ? "a point" : "a face";
         if (keyword == "v") return read_vertex();
         if (keyword == "f" || keyword == "fo") return read_face();
+        if (mesh_.takes_points_and_lines() && keyword == "l") return read_line();
+        if (mesh_.takes_points_and_lines() && keyword == "p") return read_points();
         if (std::ranges::find(passed_over, keyword) != std::end(passed_over)) {
             cursor_.skip_line();
             return true;
@@ -106,6 +115,32 @@ private:
         return mesh_.add_face(corners_) || refused_by_mesh();
     }
 
+    bool read_line()
+    {
+        std::array<std::uint32_t, 2> ends{};
+        int count = 0;
+        for (; !cursor_.at_line_end(); ++count) {
+            ends[0] = ends[1];
+            if (!read_corner(ends[1])) return false;
+            if (count > 0 && !mesh_.add_point_or_segment(ends)) return refused_by_mesh();
+        }
+        return count >= 2 ||
+               refuse(ErrorCode::malformed_file,
+                      concat("a line has ", count, " corners, it needs at least 2: remove it"));
+    }
+
+    bool read_points()
+    {
+        if (cursor_.at_line_end())
+            return refuse(ErrorCode::malformed_file, "a point has no vertex: remove it");
+        while (!cursor_.at_line_end()) {
+            std::array<std::uint32_t, 1> point{};
+            if (!read_corner(point[0])) return false;
+            if (!mesh_.add_point_or_segment(point)) return refused_by_mesh();
+        }
+        return true;
+    }
+
     // vertex, vertex/texture, vertex//normal or vertex/texture/normal.
     bool read_corner(std::uint32_t& corner)
     {
@@ -139,20 +174,23 @@ private:
 
     bool refuse_corner()
     {
-        return refuse(ErrorCode::malformed_file,
-                      "a face has something that is not an index like 1, 1/2, 1//3 or 1/2/3");
+        return refuse(
+            ErrorCode::malformed_file,
+            concat(element_, " has something that is not an index like 1, 1/2, 1//3 or 1/2/3"));
     }
 
     bool refuse_index(std::int64_t index)
     {
         return refuse(ErrorCode::malformed_file,
-                      concat("a face uses vertex ", index, " but there are ", mesh_.vertex_count(),
+                      concat(element_, " uses vertex ", index, " but there are ",
+                             mesh_.vertex_count(),
                              ", counted from 1 or, from the last one back, from -1"));
     }
 
     static constexpr std::int64_t index_limit = 0xFFFFFFFE;
 
     const char* line_ = nullptr;
+    std::string_view element_; ///< of the line, for messages
     std::int64_t largest_index_ = -1;
     const char* line_of_largest_ = nullptr;
     std::vector<std::uint32_t> corners_;

@@ -27,6 +27,10 @@ public:
             (void)refuse("there is more data than the counts declare: one of them is wrong");
             return tl::unexpected(error());
         }
+        if (mesh_.takes_points_and_lines() && face_count_ == 0 && !mesh_.add_points_of_vertices()) {
+            (void)refused_by_mesh();
+            return tl::unexpected(error());
+        }
         return mesh_.finish(vertices);
     }
 
@@ -77,9 +81,9 @@ private:
         }
         vertex_count_ = static_cast<std::uint64_t>(counts[0]);
         face_count_ = static_cast<std::uint64_t>(counts[1]);
-        // A value takes at least a digit and a separator; a face at least its length and 3 corners.
+        // A value takes at least a digit and a separator; a face at least its length and corners.
         const std::uint64_t vertex_bytes = 2 * (3 + least_extra_);
-        const std::uint64_t face_bytes = 8;
+        const std::uint64_t face_bytes = 2 + 2 * least_corners();
         const std::uint64_t available = cursor_.remaining() + 1;
         if (vertex_count_ > available / vertex_bytes ||
             face_count_ > (available - vertex_count_ * vertex_bytes) / face_bytes) {
@@ -118,9 +122,10 @@ private:
         for (std::uint64_t face = 0; face < face_count_; ++face) {
             if (!begin_line("face", face, face_count_)) return false;
             std::int64_t length = 0;
-            if (!cursor_.integer(length) || length < 3) {
-                return refuse(concat("face ", face, " does not start with 3 or more as its number ",
-                                     "of corners: remove or repair it"));
+            if (!cursor_.integer(length) || length < 0 ||
+                static_cast<std::uint64_t>(length) < least_corners()) {
+                return refuse(concat("face ", face, " does not start with ", least_corners(),
+                                     " or more as its number of corners: remove or repair it"));
             }
             if (static_cast<std::uint64_t>(length) > max_face_corners) {
                 return refuse(concat("face ", face, " has ", length, " corners, the limit is ",
@@ -144,9 +149,16 @@ private:
                 return refuse(concat("face ", face, " has more behind its vertex numbers than the ",
                                      "4 numbers of a colour"));
             }
-            if (!mesh_.add_face(corners)) return refused_by_mesh();
+            const bool added =
+                corners.size() < 3 ? mesh_.add_point_or_segment(corners) : mesh_.add_face(corners);
+            if (!added) return refused_by_mesh();
         }
         return true;
+    }
+
+    [[nodiscard]] std::uint64_t least_corners() const noexcept
+    {
+        return mesh_.takes_points_and_lines() ? 1 : 3;
     }
 
     bool skip_colour()

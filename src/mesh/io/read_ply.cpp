@@ -6,6 +6,7 @@
 #include "mesh/io/ply_values.h"
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <vector>
 
@@ -13,13 +14,14 @@ namespace proxima::detail {
 
 namespace {
 
-enum class ElementKind : std::uint8_t { vertex, face, strips, other };
+enum class ElementKind : std::uint8_t { vertex, face, strips, edge, other };
 
 ElementKind kind_of(const PlyElement& element) noexcept
 {
     if (element.name == "vertex") return ElementKind::vertex;
     if (element.name == "face") return ElementKind::face;
     if (element.name == "tristrips") return ElementKind::strips;
+    if (element.name == "edge") return ElementKind::edge;
     return ElementKind::other;
 }
 
@@ -34,6 +36,13 @@ int axis_of(const PlyProperty& property) noexcept
     if (property.name == "x") return 0;
     if (property.name == "y") return 1;
     return property.name == "z" ? 2 : -1;
+}
+
+// Which end a property of an edge is, -1 for none.
+int end_of(const PlyProperty& property) noexcept
+{
+    if (property.name == "vertex1") return 0;
+    return property.name == "vertex2" ? 1 : -1;
 }
 
 // Turns the indices of a strip list into triangles and reverses every second one.
@@ -100,6 +109,10 @@ public:
                         "there is more data than the header declares: one of its counts is wrong",
                         where());
         }
+        if (mesh_.takes_points_and_lines() && mesh_.triangle_count() == 0 &&
+            !mesh_.add_points_of_vertices()) {
+            return tl::unexpected(mesh_.error());
+        }
         return mesh_.finish(vertices);
     }
 
@@ -114,6 +127,9 @@ private:
             return read_lists<ElementKind::face>();
         case ElementKind::strips:
             return read_lists<ElementKind::strips>();
+        case ElementKind::edge:
+            if (mesh_.takes_points_and_lines()) return read_edges();
+            break;
         case ElementKind::other:
             break;
         }
@@ -185,6 +201,31 @@ private:
                 }
             }
             return mesh_.add_vertex(position) || refused_by_mesh();
+        });
+    }
+
+    bool read_edges()
+    {
+        int found = 0;
+        for (const PlyProperty& property : element_->properties) {
+            const int end = end_of(property);
+            if (end >= 0 && !property.length_type) found |= 1 << end;
+        }
+        if (found != 3 && element_->count > 0) {
+            return refuse(ErrorCode::malformed_file,
+                          "edges need the properties vertex1 and vertex2");
+        }
+        if (!mesh_.reserve_triangles(element_->count)) return refused_by_mesh();
+        return each_element([&] {
+            std::array<std::uint32_t, 2> ends{};
+            for (const PlyProperty& property : element_->properties) {
+                const int end = end_of(property);
+                const bool read =
+                    end < 0 ? skip_property(property)
+                            : read_corner(property.type, ends[static_cast<std::size_t>(end)]);
+                if (!read) return false;
+            }
+            return mesh_.add_point_or_segment(ends) || refused_by_mesh();
         });
     }
 

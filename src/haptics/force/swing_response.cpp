@@ -1,0 +1,151 @@
+#include "haptics/force/swing_response.h"
+
+#include <numbers>
+
+namespace proxima {
+
+namespace {
+
+/// N s/m: the friction of the best devices. Less than this is not enough to keep a swing going, and
+/// less damping ends none.
+constexpr double least_device_damping = 0.1;
+
+/// Damping and softening answer two legs in succession that do not fade. A leg that is half as long
+/// again as the one before counts twice.
+constexpr int least_legs = 2;
+
+/// The damping of an answer, in parts of what leaves a contact that gives nothing: it takes as much
+/// as it gave, so what grew by itself fades as fast.
+constexpr double firmness = 2;
+
+/// A leg is compared with the shorter of the two before it. So the third leg after an answer is the
+/// first one that is compared with legs after the answer alone.
+constexpr int hand_legs = 3;
+
+constexpr double nearly_all = 0.9; ///< of the damping that is allowed
+constexpr double least_softness = 0.2;
+constexpr double softening = 0.7;
+constexpr double recovery = 4; ///< s, in which s doubles, or damping halves; and of trust
+
+/// A mass m that hits a wall is in contact for pi sqrt(m / K) or longer. With all damping that the known
+/// devices allow, the wall throws it back faster than it came only if that is less than five and a
+/// half times the delay of the damping: the ticks of the force's delay, half a tick for the hold, and
+/// half a tick for a velocity by differences. Ticks in which a slew limit holds the force back add to
+/// them.
+constexpr double brief_contact = 6; ///< of these delays
+constexpr double least_mass = 0.06; ///< kg: an assumption, of a device and what holds it
+
+/// Whether a fully damped wall, whose forces are late by further ticks, may have caused a cycle with so
+/// much time in contact.
+bool is_brief(double contact, double stiffness, int late_ticks, double tick_seconds) noexcept
+{
+    const double longest = brief_contact * (most_delay_ticks + 1 + late_ticks) * tick_seconds;
+    const double least = std::numbers::pi * std::sqrt(least_mass / stiffness);
+    return contact <= longest && least <= longest;
+}
+
+/// The leg that ended becomes the last one.
+void begin_leg(WatchedMotion& motion, const EnergySums& sums, int late) noexcept
+{
+    motion.cycle_began = motion.leg_began;
+    motion.leg_began = sums;
+    motion.last_leg_late = motion.leg_late;
+    motion.leg_late = late;
+}
+
+} // namespace
+
+void SwingResponse::applied(std::span<WatchedMotion> motions, bool in_full) noexcept
+{
+    late_ = in_full ? 0 : late_ + 1;
+    for (WatchedMotion& motion : motions) motion.leg_late = std::max(motion.leg_late, late_);
+}
+
+void SwingResponse::soften(double factor) noexcept
+{
+    report_.softenings += softness_ >= 1 ? 1U : 0U;
+    softness_ = std::max(softness_ * factor, least_softness);
+    report_.lowest_softness = std::min(report_.lowest_softness, softness_);
+}
+
+/// Adds damping, or softens where the damping that the device allows is there and is not enough.
+void SwingResponse::answer(std::span<WatchedMotion> motions, const SwingTick& tick,
+                           const EnergySums& sums, double most, double needed, bool brief) noexcept
+{
+    if (damping_ < nearly_all * most) {
+        report_.swings += damping_ > 0 ? 0U : 1U;
+        const double step = brief || tick.quick ? most : firmness * needed;
+        damping_ = std::min(damping_ + step, most);
+        report_.most_damping = std::max(report_.most_damping, damping_);
+    } else if (!brief && !tick.quick) {
+        return;
+    } else if (!tick.quick) {
+        soften(softening);
+    }
+    if (tick.quick) soften(least_softness);
+    // What was given before the answer says nothing about what is given after it.
+    for (WatchedMotion& motion : motions) {
+        motion.leg_began = motion.cycle_began = sums;
+        motion.kept_legs = 0;
+    }
+    trust_ = 0;
+}
+
+/// Ends the damping, at a turn of the motion, where a hand makes it: legs do not fade though the last
+/// cycle took energy. Motions of a tool exchange energy: only the longest one tells.
+void SwingResponse::trust_hand(std::span<WatchedMotion> motions, WatchedMotion& motion,
+                               double given) noexcept
+{
+    motion.kept_legs = motion.swing.is_kept() ? motion.kept_legs + 1 : 0;
+    if (!(damping_ > 0) || motion.kept_legs < hand_legs || given > 0 || motion.swing.is_fast())
+        return;
+    for (const WatchedMotion& other : motions) {
+        if (other.swing.is_swinging() && other.swing.last_leg() > motion.swing.last_leg()) return;
+    }
+    damping_ = 0;
+    trust_ = recovery;
+    for (WatchedMotion& each : motions) each.trusted_leg = each.swing.last_leg();
+}
+
+void SwingResponse::judge(std::span<WatchedMotion> motions, WatchedMotion& motion,
+                          const SwingTick& tick, const EnergySums& sums,
+                          const SwungContact& contact, double seconds) noexcept
+{
+    if (!tick.turned && !tick.reported) return;
+    const double given = sums.most_given_since(motion.cycle_began);
+    const double moved = sums.motion - motion.cycle_began.motion;
+    const double in_contact = sums.motion_in_contact - motion.cycle_began.motion_in_contact;
+    motion.gives = given > least_device_damping * moved;
+    // Beyond doubt, as for gives.
+    if (tick.turned) trust_hand(motions, motion, given + least_device_damping * moved);
+    if (tick.reported && (tick.legs >= least_legs || tick.quick) && motion.gives) {
+        const bool brief = is_brief(tick.contact, contact.stiffness,
+                                    std::max(motion.leg_late, motion.last_leg_late), seconds);
+        const bool trusted = trust_ > 0 && tick.length < 2 * motion.trusted_leg;
+        if (!trusted || brief || tick.fast) {
+            report_.most_given = std::max(report_.most_given, given);
+            answer(motions, tick, sums, contact.most_damping,
+                   in_contact > 0 ? std::max(given, 0.0) / in_contact : 0, brief);
+        }
+    }
+    if (tick.turned) begin_leg(motion, sums, late_);
+}
+
+void SwingResponse::recover(std::span<const WatchedMotion> motions, double seconds) noexcept
+{
+    trust_ = std::max(trust_ - seconds, 0.0);
+    if (softness_ < 1) {
+        softened_seconds_ += seconds;
+        report_.longest_softening = std::max(report_.longest_softening, softened_seconds_);
+    }
+    if (std::ranges::any_of(motions, &WatchedMotion::is_driven)) return;
+    if (softness_ < 1) {
+        softness_ = std::min(softness_ * std::exp2(seconds / recovery), 1.0);
+        if (softness_ >= 1) softened_seconds_ = 0;
+    } else if (damping_ > 0) {
+        damping_ *= std::exp2(-seconds / recovery);
+        if (damping_ < least_device_damping) damping_ = 0;
+    }
+}
+
+} // namespace proxima
