@@ -19,26 +19,30 @@ namespace {
 
 constexpr std::size_t rows_per_task = 64;
 
-/// How near boxes must be, in units of a scene's tree, where squares stay within the doubles.
-struct BoxReach {
-    double scale;
-    double squared;
-
+/// How near boxes must be.
+class BoxReach {
+public:
     BoxReach(const SceneParts& scene, double distance) noexcept
-        : scale(scene.tree.parts().scale()), squared(distance * scale * (distance * scale))
+        : distance_(distance), in_tree_(distance * scene.tree.parts().scale())
     {}
+    /// In units of the tree, for walks, which take more than its square loses by underflow.
+    [[nodiscard]] double squared() const noexcept { return in_tree_ * in_tree_; }
+
     [[nodiscard]] bool has(const Box& a, const Box& b) const noexcept
     {
-        double sum = 0;
-        bool apart = false;
+        Vec3 gaps;
         for (int axis = 0; axis < 3; ++axis) {
-            const double gap =
+            gaps[axis] =
                 std::max({a.lower[axis] - b.upper[axis], b.lower[axis] - a.upper[axis], 0.0});
-            apart = apart || gap > 0;
-            sum += gap * scale * (gap * scale);
         }
-        return squared == 0 ? !apart : sum <= squared;
+        if ((gaps.array() == 0).all()) return true;
+        // In units of the distance: squares of very small numbers are zero.
+        return distance_ > 0 && (gaps / distance_).squaredNorm() <= 1 + 0x1p-50;
     }
+
+private:
+    double distance_;
+    double in_tree_;
 };
 
 bool are_wanted(const SceneRow& a, const SceneRow& b, const ScenePairOptions& options) noexcept
@@ -72,7 +76,7 @@ void visit_pairs_of(const SceneParts& scene, std::uint32_t first, std::uint32_t 
             box.extend(scene.rows[row].box.upper);
         }
         if (box.empty()) continue;
-        NearWalk walk(scene.tree.parts(), box, reach.squared);
+        NearWalk walk(scene.tree.parts(), box, reach.squared());
         while (const IndexLeaf* const leaf = walk.next_leaf()) {
             for (std::uint32_t other = std::max(leaf->first_row, from + 1);
                  other < leaf->first_row + leaf->count; ++other) {

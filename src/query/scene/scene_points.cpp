@@ -89,7 +89,8 @@ private:
             near[position] = {squared, row};
         }
         for (std::size_t i = 0; i < count; ++i)
-            if (near[i].squared <= limit() * (1 + 0x1p-40)) ask(near[i].row);
+            if (near[i].squared <= limit() * (1 + 0x1p-40) + std::numeric_limits<double>::min())
+                ask(near[i].row);
     }
 
     void ask(std::uint32_t at) noexcept

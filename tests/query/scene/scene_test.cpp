@@ -238,6 +238,18 @@ void expect_truth(const RandomScene& of, const Scene& scene, SceneGenerator& ran
     const double distance = query.reach() * std::abs(random.unit());
     const auto near = pairs_within(scene, distance, options).value();
     const auto truth = near_one_by_one(of, distance, options);
+    for (const NearInstances& pair : truth) {
+        ASSERT_TRUE(std::ranges::any_of(near,
+                                        [&](const NearInstances& found_pair) {
+                                            return found_pair.a == pair.a && found_pair.b == pair.b;
+                                        }))
+            << to_index(pair.a) << " and " << to_index(pair.b) << " are " << pair.nearest.distance
+            << " apart, up to " << distance << " is wanted; boxes "
+            << scene.bounds(pair.a).lower.transpose() << " to "
+            << scene.bounds(pair.a).upper.transpose() << " and "
+            << scene.bounds(pair.b).lower.transpose() << " to "
+            << scene.bounds(pair.b).upper.transpose();
+    }
     ASSERT_EQ(near.size(), truth.size());
     for (std::size_t i = 0; i < near.size(); ++i) {
         ASSERT_TRUE(near[i].a == truth[i].a && near[i].b == truth[i].b);
