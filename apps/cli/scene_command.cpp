@@ -88,7 +88,9 @@ Result<std::vector<std::uint32_t>> read_shapes(const SceneCommandOptions& option
         return shapes;
     }
     constexpr std::array<std::string_view, 1> layouts = {"model"};
-    const auto table = session.load_table(options.shapes, {layouts});
+    // Without its note on a first line that may be a header: 0 is a model.
+    const auto table =
+        read_number_table(options.shapes, {layouts}, {.execution = session.execution()});
     if (!table) return tl::unexpected(table.error());
     if (table->rows() != instances) {
         return fail(ErrorCode::invalid_argument,
