@@ -89,17 +89,24 @@ private:
     std::vector<Box> boxes_;
 };
 
-/// The diagonals of boxes that are not empty, as triangles of two corners.
+/// The diagonals of boxes that are not empty, as triangles of two corners, drawn out by the tree's margin. One
+/// of its units is at most the extent.
 TriangleMesh diagonals_of(std::span<const Box> boxes)
 {
     std::vector<Vec3> positions;
     std::vector<TriangleCorners> triangles;
     positions.reserve(2 * boxes.size());
     triangles.reserve(boxes.size());
+    Box all;
+    for (const Box& box : boxes) {
+        all.extend(box.lower);
+        all.extend(box.upper);
+    }
+    const Vec3 margin = Vec3::Constant(scene_tree_margin * all.extent().maxCoeff());
     for (const Box& box : boxes) {
         const auto lower = static_cast<std::uint32_t>(positions.size());
-        positions.push_back(box.lower);
-        positions.push_back(box.upper);
+        positions.push_back(box.lower - margin);
+        positions.push_back(box.upper + margin);
         triangles.push_back({lower, lower + 1, lower + 1});
     }
     return make_triangle_mesh(std::move(positions), std::move(triangles)).value();

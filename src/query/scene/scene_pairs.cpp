@@ -1,17 +1,21 @@
-// Pairs of instances: each leaf of the tree looks for what is near its box, and each pair of instances is
-// found by the leaf that comes first.
+// Pairs of instances: the tree is walked against itself, and each pair of instances is found by the one whose row
+// comes first.
 #include "base/memory_budget.h"
 #include "base/parallel.h"
 #include "base/progress.h"
 #include "base/text.h"
-#include "index/visit_near.h"
+#include "index/index_parts.h"
 #include "proxima/intersect_meshes.h"
 #include "proxima/scene.h"
 #include "query/scene/scene_parts.h"
 
 #include <algorithm>
+#include <array>
 #include <atomic>
+#include <bit>
 #include <cmath>
+#include <limits>
+#include <utility>
 
 namespace proxima {
 
@@ -57,38 +61,126 @@ struct PairRows {
     std::uint32_t b;
 };
 
-/// Calls visit(rows) for all pairs whose boxes are near enough and whose first row is in [first, end).
-template <class Visit>
-void visit_pairs_of(const SceneParts& scene, std::uint32_t first, std::uint32_t end,
-                    const BoxReach& reach, const ScenePairOptions& options, const Visit& visit)
-{
-    const auto asks = [&](const SceneRow& row) {
-        return (row.layers & (options.layers | options.others)) != 0;
-    };
-    Box box; // of some rows, neighbours in the tree
-    constexpr std::uint32_t together = 4;
-    for (std::uint32_t from = first; from < end; from += together) {
-        const std::uint32_t to = std::min(end, from + together);
-        box = {};
-        for (std::uint32_t row = from; row < to; ++row) {
-            if (!asks(scene.rows[row])) continue;
-            box.extend(scene.rows[row].box.lower);
-            box.extend(scene.rows[row].box.upper);
+/// A block of the tree, its box in the tree's units, and its rows.
+struct PairBlock {
+    std::uint32_t reference;
+    std::uint32_t first;
+    std::uint32_t end;
+    std::array<double, 3> lower;
+    std::array<double, 3> upper;
+
+    [[nodiscard]] bool is_leaf() const noexcept { return (reference & index_leaf_bit) != 0; }
+    [[nodiscard]] double size() const noexcept
+    {
+        return (upper[0] - lower[0]) + (upper[1] - lower[1]) + (upper[2] - lower[2]);
+    }
+};
+
+/// Walks the tree against itself: pairs of blocks that are near each other, the larger one opened.
+class PairWalkOfScene {
+public:
+    PairWalkOfScene(const SceneParts& scene, const BoxReach& reach) noexcept
+        : scene_(scene), tree_(scene.tree.parts()), reach_(reach),
+          most_(reach.squared() * (1 + 0x1p-40) + std::numeric_limits<double>::min())
+    {}
+
+    [[nodiscard]] PairBlock root() const noexcept
+    {
+        return {tree_.root(), 0, scene_.tree_rows(), {-2, -2, -2}, {2, 2, 2}};
+    }
+
+    /// Calls visit(child) for the children of a node, by their rows.
+    template <class Visit>
+    void open(const PairBlock& at, const Visit& visit) const
+    {
+        const IndexNode& node = tree_.blocks()[at.reference].node;
+        const auto count = 8 - static_cast<std::uint32_t>(std::countl_one(node.order)) / 4;
+        PairBlock child = {};
+        child.end = at.end;
+        for (std::uint32_t i = count; i-- > 0; child.end = child.first) {
+            const std::uint32_t slot = node.order >> (4 * i) & 15U;
+            child.reference = node.children[slot];
+            child.first = first_row(node, slot);
+            for (std::size_t axis = 0; axis < 3; ++axis) {
+                child.lower[axis] = node.plane(axis, slot);
+                child.upper[axis] = node.plane(axis, 8 + slot);
+            }
+            visit(child);
         }
-        if (box.empty()) continue;
-        NearWalk walk(scene.tree.parts(), box, reach.squared());
-        while (const IndexLeaf* const leaf = walk.next_leaf()) {
-            for (std::uint32_t other = std::max(leaf->first_row, from + 1);
-                 other < leaf->first_row + leaf->count; ++other) {
-                const SceneRow& b = scene.rows[other];
-                for (std::uint32_t row = from; row < std::min(to, other); ++row) {
-                    const SceneRow& a = scene.rows[row];
-                    if (!reach.has(a.box, b.box) || !are_wanted(a, b, options)) continue;
-                    visit(a.instance < b.instance ? PairRows{row, other} : PairRows{other, row});
-                }
+    }
+
+    /// Calls visit(row, other) for all pairs whose boxes are near enough, row below `top` and other behind it.
+    template <class Visit>
+    void walk(const PairBlock& top, const Visit& visit)
+    {
+        pending_.assign(1, {top, root()});
+        while (!pending_.empty()) {
+            const auto [a, b] = pending_.back();
+            pending_.pop_back();
+            if (a.is_leaf() && b.is_leaf()) {
+                visit_rows(a, b, visit);
+            } else if (b.is_leaf() || (!a.is_leaf() && a.size() >= b.size())) {
+                open(a, [&](const PairBlock& child) { push(child, b); });
+            } else {
+                open(b, [&](const PairBlock& child) { push(a, child); });
             }
         }
     }
+
+private:
+    [[nodiscard]] std::uint32_t first_row(const IndexNode& node, std::uint32_t slot) const noexcept
+    {
+        if (node.starts[slot] != IndexNode::far_start) return node.first_row + node.starts[slot];
+        const std::uint32_t reference = node.children[slot];
+        const IndexBlock& block = tree_.blocks()[reference & ~index_leaf_bit];
+        return (reference & index_leaf_bit) != 0 ? block.leaf.first_row : block.node.first_row;
+    }
+
+    void push(const PairBlock& a, const PairBlock& b)
+    {
+        if (b.end <= a.first + 1) return;
+        double squared = 0;
+        for (std::size_t axis = 0; axis < 3; ++axis) {
+            const double gap = std::max(
+                std::max(a.lower[axis] - b.upper[axis], b.lower[axis] - a.upper[axis]), 0.0);
+            squared += gap * gap;
+        }
+        if (squared <= most_) pending_.push_back({a, b});
+    }
+
+    template <class Visit>
+    void visit_rows(const PairBlock& a, const PairBlock& b, const Visit& visit) const
+    {
+        for (std::uint32_t row = a.first; row < a.end; ++row) {
+            for (std::uint32_t other = std::max(b.first, row + 1); other < b.end; ++other)
+                if (reach_.has(scene_.rows[row].box, scene_.rows[other].box)) visit(row, other);
+        }
+    }
+
+    const SceneParts& scene_;
+    const IndexParts& tree_;
+    const BoxReach& reach_;
+    double most_;
+    std::vector<std::pair<PairBlock, PairBlock>> pending_;
+};
+
+/// Blocks of at most rows_per_task rows, or leaves, that have all rows.
+std::vector<PairBlock> tops_of(const SceneParts& scene, const BoxReach& reach)
+{
+    std::vector<PairBlock> tops;
+    if (scene.tree_rows() == 0) return tops;
+    const PairWalkOfScene walk(scene, reach);
+    std::vector<PairBlock> pending = {walk.root()};
+    while (!pending.empty()) {
+        const PairBlock at = pending.back();
+        pending.pop_back();
+        if (at.is_leaf() || at.end - at.first <= rows_per_task) {
+            tops.push_back(at);
+        } else {
+            walk.open(at, [&](const PairBlock& child) { pending.push_back(child); });
+        }
+    }
+    return tops;
 }
 
 /// All pairs for which ask(rows) has an answer, ascending. Errors: budget_exceeded, cancelled.
@@ -98,26 +190,27 @@ Result<std::vector<Found>> find_pairs(const SceneParts& scene, const BoxReach& r
 {
     const Execution& execution = options.execution;
     begin_stage(execution.progress, "finding pairs", scene.tree_rows());
-    std::vector<std::vector<Found>> found(chunk_count(scene.tree_rows(), rows_per_task));
+    const std::vector<PairBlock> tops = tops_of(scene, reach);
+    std::vector<std::vector<Found>> found(tops.size());
     // Once in the tasks' lists, once in the answer.
     const std::uint64_t most = budget_bytes(execution.budget) / (2 * sizeof(Found));
     std::atomic<std::uint64_t> count = 0;
-    parallel_chunks(scene.tree_rows(), rows_per_task, execution.threads,
-                    [&](std::size_t first, std::size_t end) {
-                        if (is_cancelled(execution.progress) || count > most) return;
-                        std::vector<Found>& own = found[first / rows_per_task];
-                        visit_pairs_of(scene, static_cast<std::uint32_t>(first),
-                                       static_cast<std::uint32_t>(end), reach, options,
-                                       [&](const PairRows& rows) {
-                                           if (is_cancelled(execution.progress) || count > most)
-                                               return;
-                                           auto answer = ask(rows);
-                                           if (!answer) return;
-                                           own.push_back(*answer);
-                                           ++count;
-                                       });
-                        advance_stage(execution.progress, end - first);
-                    });
+    const auto is_over = [&] { return is_cancelled(execution.progress) || count > most; };
+    parallel_for(tops.size(), execution.threads, [&](std::size_t task) {
+        if (is_over()) return;
+        PairWalkOfScene walk(scene, reach);
+        walk.walk(tops[task], [&](std::uint32_t row, std::uint32_t other) {
+            const SceneRow& a = scene.rows[row];
+            const SceneRow& b = scene.rows[other];
+            if (!are_wanted(a, b, options) || is_over()) return;
+            const auto answer =
+                ask(a.instance < b.instance ? PairRows{row, other} : PairRows{other, row});
+            if (!answer) return;
+            found[task].push_back(*answer);
+            ++count;
+        });
+        advance_stage(execution.progress, tops[task].end - tops[task].first);
+    });
     if (is_cancelled(execution.progress)) return cancelled("finding pairs");
     if (count > most) {
         return fail(ErrorCode::budget_exceeded,

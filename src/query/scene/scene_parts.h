@@ -30,6 +30,10 @@ namespace proxima {
 /// Roundoff of queries in units of their coordinates.
 inline constexpr double scene_roundoff = 0x1p-46;
 
+/// The tree's boxes are this much larger than rows' boxes, in units of the tree: so much may rounding move a
+/// ray whose walk is in floats.
+inline constexpr double scene_tree_margin = 0x1p-23;
+
 /// Boxes of a shape's parts, by centre and half size.
 struct ShapeBox {
     Vec3 center;

@@ -1,6 +1,7 @@
-// A ray on its way through a scene's tree, in doubles: the nearest box first as far as depth first allows.
+// A ray on its way through a scene's tree: the nearest box first as far as depth first allows. Nodes are
+// asked in floats (walk_scene.h), rows in doubles; from where floats are too coarse all is asked in doubles.
 //
-// Planes lie further out by e, the query's part of what rounding moves (scene_parts.h), by more than
+// In doubles planes lie further out by e, the query's part of what rounding moves (scene_parts.h), by more than
 // (plane - o) / d is rounded, and by what putting small components of d away from zero moves the ray:
 // by 2^-69 of |s d|. A hit's t is that of its triangle to within 2^-21 of the triangle's
 // extent (ray_triangle-inl.h): by so much earlier and later than a box's may it come.
@@ -9,6 +10,7 @@
 #include "base/fixed_stack.h"
 #include "proxima/geometry.h"
 #include "query/scene/scene_parts.h"
+#include "query/scene/walk_scene.h"
 
 #include <algorithm>
 #include <array>
@@ -27,6 +29,7 @@ public:
         const double reach = distance + scene.reach;
         const double error = 4 * scene_roundoff * reach;
         is_ordinary_ = size > least_size && size < most_size && reach < most_size;
+        suits_floats_ = is_ordinary_ && error * tree.scale() <= scene_tree_margin;
         for (int axis = 0; axis < 3; ++axis) {
             double along = ray.direction[axis];
             if (!(std::abs(along) >= size * smallest_part))
@@ -60,6 +63,19 @@ public:
         if (scene_.tree_rows() == 0) return;
         if (!is_ordinary_) return visit_all(layers, visit);
         const IndexParts& tree = scene_.tree.parts();
+        if (suits_floats_) {
+            Ray wide = ray_;
+            wide.t_min -= slack_;
+            wide.t_max += slack_;
+            const auto take = [&](const IndexLeaf& leaf, RayTraversal& open) {
+                const Flow flow = visit_leaf(leaf, layers, visit);
+                const float most = rounded_up(most_ * open.rate - open.shift) + 4 * open.t_error;
+                open.most = std::min(open.most, most);
+                return flow;
+            };
+            const RayStart start = visit_scene_leaves(tree, wide, take);
+            if (start == RayStart::ready || start == RayStart::misses) return;
+        }
         FixedStack<PendingBox, 7 * IndexParts::max_levels + 1> pending;
         pending.push({least_, tree.root()});
         while (!pending.empty()) {
@@ -165,6 +181,7 @@ private:
     const SceneParts& scene_;
     const Ray& ray_;
     bool is_ordinary_ = false;
+    bool suits_floats_ = false;
     std::array<bool, 3> is_negative_;
     Slopes world_;
     Slopes frame_;
