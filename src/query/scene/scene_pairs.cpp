@@ -1,5 +1,5 @@
-// Pairs of instances: the tree is walked against itself, and each pair of instances is found by the one whose row
-// comes first.
+// Pairs of instances: each leaf of the tree looks for leaves that meet its box, and each pair of instances is found
+// by the one whose row comes first.
 #include "base/memory_budget.h"
 #include "base/parallel.h"
 #include "base/progress.h"
@@ -8,45 +8,52 @@
 #include "proxima/intersect_meshes.h"
 #include "proxima/scene.h"
 #include "query/scene/scene_parts.h"
+#include "query/scene/walk_scene.h"
 
 #include <algorithm>
-#include <array>
 #include <atomic>
-#include <bit>
 #include <cmath>
-#include <limits>
-#include <utility>
+#include <optional>
+#include <vector>
 
 namespace proxima {
 
 namespace {
 
-constexpr std::size_t rows_per_task = 64;
+constexpr std::size_t leaves_per_task = 16;
 
 /// How near boxes must be.
 class BoxReach {
 public:
-    BoxReach(const SceneParts& scene, double distance) noexcept
-        : distance_(distance), in_tree_(distance * scene.tree.parts().scale())
-    {}
-    /// In units of the tree, for walks, which take more than its square loses by underflow.
-    [[nodiscard]] double squared() const noexcept { return in_tree_ * in_tree_; }
+    explicit BoxReach(double distance) noexcept : distance_(distance) {}
 
+    /// Holds all that is near the box.
+    [[nodiscard]] Box around(const Box& box) const noexcept
+    {
+        return {box.lower.array() - distance_, box.upper.array() + distance_};
+    }
     [[nodiscard]] bool has(const Box& a, const Box& b) const noexcept
     {
-        Vec3 gaps;
-        for (int axis = 0; axis < 3; ++axis) {
-            gaps[axis] =
-                std::max({a.lower[axis] - b.upper[axis], b.lower[axis] - a.upper[axis], 0.0});
-        }
-        if ((gaps.array() == 0).all()) return true;
-        // In units of the distance: squares of very small numbers are zero.
-        return distance_ > 0 && (gaps / distance_).squaredNorm() <= 1 + 0x1p-50;
+        const bool apart =
+            (a.lower.array() > b.upper.array()).any() || (b.lower.array() > a.upper.array()).any();
+        return !apart || (distance_ > 0 && is_near(a, b));
     }
 
 private:
+    [[nodiscard]] bool is_near(const Box& a, const Box& b) const noexcept
+    {
+        double squared = 0;
+        for (int axis = 0; axis < 3; ++axis) {
+            const double gap =
+                std::max({a.lower[axis] - b.upper[axis], b.lower[axis] - a.upper[axis], 0.0});
+            if (gap > distance_) return false;
+            // In units of the distance: squares of very small numbers are zero.
+            squared += gap / distance_ * (gap / distance_);
+        }
+        return squared <= 1 + 0x1p-50;
+    }
+
     double distance_;
-    double in_tree_;
 };
 
 bool are_wanted(const SceneRow& a, const SceneRow& b, const ScenePairOptions& options) noexcept
@@ -61,126 +68,45 @@ struct PairRows {
     std::uint32_t b;
 };
 
-/// A block of the tree, its box in the tree's units, and its rows.
-struct PairBlock {
-    std::uint32_t reference;
-    std::uint32_t first;
-    std::uint32_t end;
-    std::array<double, 3> lower;
-    std::array<double, 3> upper;
-
-    [[nodiscard]] bool is_leaf() const noexcept { return (reference & index_leaf_bit) != 0; }
-    [[nodiscard]] double size() const noexcept
-    {
-        return (upper[0] - lower[0]) + (upper[1] - lower[1]) + (upper[2] - lower[2]);
-    }
-};
-
-/// Walks the tree against itself: pairs of blocks that are near each other, the larger one opened.
-class PairWalkOfScene {
-public:
-    PairWalkOfScene(const SceneParts& scene, const BoxReach& reach) noexcept
-        : scene_(scene), tree_(scene.tree.parts()), reach_(reach),
-          most_(reach.squared() * (1 + 0x1p-40) + std::numeric_limits<double>::min())
-    {}
-
-    [[nodiscard]] PairBlock root() const noexcept
-    {
-        return {tree_.root(), 0, scene_.tree_rows(), {-2, -2, -2}, {2, 2, 2}};
-    }
-
-    /// Calls visit(child) for the children of a node, by their rows.
-    template <class Visit>
-    void open(const PairBlock& at, const Visit& visit) const
-    {
-        const IndexNode& node = tree_.blocks()[at.reference].node;
-        const auto count = 8 - static_cast<std::uint32_t>(std::countl_one(node.order)) / 4;
-        PairBlock child = {};
-        child.end = at.end;
-        for (std::uint32_t i = count; i-- > 0; child.end = child.first) {
-            const std::uint32_t slot = node.order >> (4 * i) & 15U;
-            child.reference = node.children[slot];
-            child.first = first_row(node, slot);
-            for (std::size_t axis = 0; axis < 3; ++axis) {
-                child.lower[axis] = node.plane(axis, slot);
-                child.upper[axis] = node.plane(axis, 8 + slot);
-            }
-            visit(child);
-        }
-    }
-
-    /// Calls visit(row, other) for all pairs whose boxes are near enough, row below `top` and other behind it.
-    template <class Visit>
-    void walk(const PairBlock& top, const Visit& visit)
-    {
-        pending_.assign(1, {top, root()});
-        while (!pending_.empty()) {
-            const auto [a, b] = pending_.back();
-            pending_.pop_back();
-            if (a.is_leaf() && b.is_leaf()) {
-                visit_rows(a, b, visit);
-            } else if (b.is_leaf() || (!a.is_leaf() && a.size() >= b.size())) {
-                open(a, [&](const PairBlock& child) { push(child, b); });
-            } else {
-                open(b, [&](const PairBlock& child) { push(a, child); });
-            }
-        }
-    }
-
-private:
-    [[nodiscard]] std::uint32_t first_row(const IndexNode& node, std::uint32_t slot) const noexcept
-    {
-        if (node.starts[slot] != IndexNode::far_start) return node.first_row + node.starts[slot];
-        const std::uint32_t reference = node.children[slot];
-        const IndexBlock& block = tree_.blocks()[reference & ~index_leaf_bit];
-        return (reference & index_leaf_bit) != 0 ? block.leaf.first_row : block.node.first_row;
-    }
-
-    void push(const PairBlock& a, const PairBlock& b)
-    {
-        if (b.end <= a.first + 1) return;
-        double squared = 0;
-        for (std::size_t axis = 0; axis < 3; ++axis) {
-            const double gap = std::max(
-                std::max(a.lower[axis] - b.upper[axis], b.lower[axis] - a.upper[axis]), 0.0);
-            squared += gap * gap;
-        }
-        if (squared <= most_) pending_.push_back({a, b});
-    }
-
-    template <class Visit>
-    void visit_rows(const PairBlock& a, const PairBlock& b, const Visit& visit) const
-    {
-        for (std::uint32_t row = a.first; row < a.end; ++row) {
-            for (std::uint32_t other = std::max(b.first, row + 1); other < b.end; ++other)
-                if (reach_.has(scene_.rows[row].box, scene_.rows[other].box)) visit(row, other);
-        }
-    }
-
-    const SceneParts& scene_;
-    const IndexParts& tree_;
-    const BoxReach& reach_;
-    double most_;
-    std::vector<std::pair<PairBlock, PairBlock>> pending_;
-};
-
-/// Blocks of at most rows_per_task rows, or leaves, that have all rows.
-std::vector<PairBlock> tops_of(const SceneParts& scene, const BoxReach& reach)
+/// The leaves of the tree, depth first.
+std::vector<const IndexLeaf*> leaves_of(const IndexParts& tree)
 {
-    std::vector<PairBlock> tops;
-    if (scene.tree_rows() == 0) return tops;
-    const PairWalkOfScene walk(scene, reach);
-    std::vector<PairBlock> pending = {walk.root()};
+    std::vector<const IndexLeaf*> leaves;
+    if (tree.triangle_count() == 0) return leaves;
+    std::vector<std::uint32_t> pending = {tree.root()};
     while (!pending.empty()) {
-        const PairBlock at = pending.back();
+        const std::uint32_t at = pending.back();
         pending.pop_back();
-        if (at.is_leaf() || at.end - at.first <= rows_per_task) {
-            tops.push_back(at);
-        } else {
-            walk.open(at, [&](const PairBlock& child) { pending.push_back(child); });
+        const IndexBlock& block = tree.blocks()[at & ~index_leaf_bit];
+        if ((at & index_leaf_bit) != 0) {
+            leaves.push_back(&block.leaf);
+            continue;
         }
+        for (std::size_t slot = 0; slot < 8; ++slot)
+            if (block.node.has_child(slot)) pending.push_back(block.node.children[slot]);
     }
-    return tops;
+    return leaves;
+}
+
+/// Calls visit(row, other) for all pairs whose boxes are near enough, row in the leaf and other behind it.
+template <class Visit>
+void visit_pairs_of(const SceneParts& scene, const IndexLeaf& leaf, const BoxReach& reach,
+                    const Visit& visit)
+{
+    const std::uint32_t end = leaf.first_row + leaf.count;
+    Box box;
+    for (std::uint32_t row = leaf.first_row; row < end; ++row) {
+        box.extend(scene.rows[row].box.lower);
+        box.extend(scene.rows[row].box.upper);
+    }
+    const IndexParts& tree = scene.tree.parts();
+    visit_scene_leaves(tree, FloatQueryBox(tree, reach.around(box)), [&](const IndexLeaf& near) {
+        const std::uint32_t near_end = near.first_row + near.count;
+        for (std::uint32_t row = leaf.first_row; row < end; ++row) {
+            for (std::uint32_t other = std::max(near.first_row, row + 1); other < near_end; ++other)
+                if (reach.has(scene.rows[row].box, scene.rows[other].box)) visit(row, other);
+        }
+    });
 }
 
 /// All pairs for which ask(rows) has an answer, ascending. Errors: budget_exceeded, cancelled.
@@ -190,27 +116,29 @@ Result<std::vector<Found>> find_pairs(const SceneParts& scene, const BoxReach& r
 {
     const Execution& execution = options.execution;
     begin_stage(execution.progress, "finding pairs", scene.tree_rows());
-    const std::vector<PairBlock> tops = tops_of(scene, reach);
-    std::vector<std::vector<Found>> found(tops.size());
+    const std::vector<const IndexLeaf*> leaves = leaves_of(scene.tree.parts());
+    std::vector<std::vector<Found>> found(chunk_count(leaves.size(), leaves_per_task));
     // Once in the tasks' lists, once in the answer.
     const std::uint64_t most = budget_bytes(execution.budget) / (2 * sizeof(Found));
     std::atomic<std::uint64_t> count = 0;
     const auto is_over = [&] { return is_cancelled(execution.progress) || count > most; };
-    parallel_for(tops.size(), execution.threads, [&](std::size_t task) {
-        if (is_over()) return;
-        PairWalkOfScene walk(scene, reach);
-        walk.walk(tops[task], [&](std::uint32_t row, std::uint32_t other) {
-            const SceneRow& a = scene.rows[row];
-            const SceneRow& b = scene.rows[other];
-            if (!are_wanted(a, b, options) || is_over()) return;
-            const auto answer =
-                ask(a.instance < b.instance ? PairRows{row, other} : PairRows{other, row});
-            if (!answer) return;
-            found[task].push_back(*answer);
-            ++count;
-        });
-        advance_stage(execution.progress, tops[task].end - tops[task].first);
-    });
+    const auto work = [&](std::size_t first, std::size_t end) {
+        std::vector<Found>& own = found[first / leaves_per_task];
+        for (std::size_t i = first; i < end && !is_over(); ++i) {
+            visit_pairs_of(scene, *leaves[i], reach, [&](std::uint32_t row, std::uint32_t other) {
+                const SceneRow& a = scene.rows[row];
+                const SceneRow& b = scene.rows[other];
+                if (!are_wanted(a, b, options) || is_over()) return;
+                const auto answer =
+                    ask(a.instance < b.instance ? PairRows{row, other} : PairRows{other, row});
+                if (!answer) return;
+                own.push_back(*answer);
+                ++count;
+            });
+            advance_stage(execution.progress, leaves[i]->count);
+        }
+    };
+    parallel_chunks(leaves.size(), leaves_per_task, execution.threads, work);
     if (is_cancelled(execution.progress)) return cancelled("finding pairs");
     if (count > most) {
         return fail(ErrorCode::budget_exceeded,
@@ -248,7 +176,7 @@ Result<std::vector<InstancePair>> pairs_in_contact(const Scene& scene,
 {
     const SceneParts& parts = scene.parts();
     return find_pairs<InstancePair>(
-        parts, {parts, 0}, options, [&](const PairRows& rows) -> std::optional<InstancePair> {
+        parts, BoxReach(0), options, [&](const PairRows& rows) -> std::optional<InstancePair> {
             const bool meet =
                 meshes_intersect(parts.index(parts.rows[rows.a]), parts.index(parts.rows[rows.b]),
                                  relative_pose(parts.poses[rows.a], parts.poses[rows.b]));
@@ -264,7 +192,7 @@ Result<std::vector<NearInstances>> pairs_within(const Scene& scene, double dista
     // Poses change lengths by 2^-29 at most.
     const double most = distance * (1 + 0x1p-28);
     return find_pairs<NearInstances>(
-        parts, {parts, most}, options, [&](const PairRows& rows) -> std::optional<NearInstances> {
+        parts, BoxReach(most), options, [&](const PairRows& rows) -> std::optional<NearInstances> {
             const auto near = mesh_distance(
                 parts.index(parts.rows[rows.a]), parts.index(parts.rows[rows.b]),
                 relative_pose(parts.poses[rows.a], parts.poses[rows.b]), {.farthest = distance});
@@ -281,7 +209,7 @@ Result<std::vector<InstancePair>> overlapping_bounds(const Scene& scene, double 
     if (Status status = check_distance(distance); !status) return tl::unexpected(status.error());
     const SceneParts& parts = scene.parts();
     return find_pairs<InstancePair>(
-        parts, {parts, distance}, options,
+        parts, BoxReach(distance), options,
         [&](const PairRows& rows) -> std::optional<InstancePair> { return pair_of(parts, rows); });
 }
 

@@ -1,11 +1,12 @@
-// The leaves of a scene's tree that a ray comes through, found eight boxes at a time in floats, as rays find
-// those of a mesh.
+// The leaves of a scene's tree that a ray comes through or a box meets, found eight boxes at a time in floats.
 #pragma once
 
 #include "index/index_parts.h"
 #include "proxima/function_ref.h"
 #include "proxima/geometry.h"
 #include "query/rays/prepare_ray.h"
+
+#include <array>
 
 namespace proxima {
 
@@ -17,5 +18,18 @@ using SceneLeafVisitor = FunctionRef<Flow(const IndexLeaf&, RayTraversal&)>;
 /// allocation.
 [[nodiscard]] RayStart visit_scene_leaves(const IndexParts& tree, const Ray& ray,
                                           const SceneLeafVisitor& visitor) noexcept;
+
+/// A box in the units of a tree, drawn outward.
+struct FloatQueryBox {
+    std::array<float, 3> lower;
+    std::array<float, 3> upper;
+
+    /// \pre the box, in the scene's coordinates, is finite and not empty
+    FloatQueryBox(const IndexParts& tree, const Box& box) noexcept;
+};
+
+/// Visits the leaves whose boxes meet the box, and perhaps others. No allocation.
+void visit_scene_leaves(const IndexParts& tree, const FloatQueryBox& box,
+                        FunctionRef<void(const IndexLeaf&)> visitor) noexcept;
 
 } // namespace proxima
