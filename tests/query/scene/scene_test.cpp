@@ -284,7 +284,7 @@ void expect_truth(const RandomScene& of, const Scene& scene, SceneGenerator& ran
 TEST(Scene, AnswersLikeAllInstancesOneByOne)
 {
     Found found;
-    for (std::uint64_t seed = 1; seed <= 250; ++seed) {
+    for (std::uint64_t seed = 1; seed <= 100; ++seed) {
         SCOPED_TRACE(::testing::Message() << "seed " << seed);
         SceneGenerator random(seed);
         const RandomScene of = random(seed % 10 == 0 ? 300 : 40);
@@ -293,27 +293,29 @@ TEST(Scene, AnswersLikeAllInstancesOneByOne)
         expect_truth(of, *scene, random, 60, found);
         if (HasFailure()) return;
     }
-    EXPECT_GT(found.rays, 4000U);
-    EXPECT_GT(found.points, 8000U);
-    EXPECT_GT(found.contacts, 3000U);
-    EXPECT_GT(found.near, 5000U);
-    EXPECT_GT(found.ranges, 5000U);
+    EXPECT_GT(found.rays, 1500U);
+    EXPECT_GT(found.points, 3000U);
+    EXPECT_GT(found.contacts, 1000U);
+    EXPECT_GT(found.near, 1500U);
+    EXPECT_GT(found.ranges, 1500U);
 }
 
 TEST(Scene, AnswersAlikeAfterInstancesMoved)
 {
     Found found;
-    for (std::uint64_t seed = 1; seed <= 60; ++seed) {
+    for (std::uint64_t seed = 1; seed <= 24; ++seed) {
         SCOPED_TRACE(::testing::Message() << "seed " << seed);
         SceneGenerator random(seed);
         RandomScene of = random(40);
+        // Now and then far apart beside their size.
+        const double reach = of.size > 0 && seed % 8 != 7 ? of.size : 1e-3;
         Scene scene = build_scene(of.shapes, of.instances).value();
         for (int step = 0; step < 3; ++step) {
             std::vector<RigidTransform> poses;
             for (Instance& instance : of.instances) {
                 if (random.below(2) == 0) {
                     instance.pose.rotation = random.rotation();
-                    instance.pose.translation = of.center + (of.size + 1e-3) * random.vector();
+                    instance.pose.translation = of.center + reach * random.vector();
                 }
                 poses.push_back(instance.pose);
             }
@@ -324,7 +326,7 @@ TEST(Scene, AnswersAlikeAfterInstancesMoved)
             if (HasFailure()) return;
         }
     }
-    EXPECT_GT(found.rays, 500U);
+    EXPECT_GT(found.rays, 300U);
 }
 
 TEST(Scene, FindsWhereBoundsOverlap)
