@@ -39,7 +39,7 @@ public:
     /// place(i) is the i-th instance. Errors: invalid_argument naming the first one that is wrong,
     /// cancelled.
     template <class InstanceAt>
-    Status place(const std::vector<SceneShape>& shapes, const InstanceAt& instance_at,
+    Status place(const std::vector<InstancedShape>& shapes, const InstanceAt& instance_at,
                  const Execution& execution)
     {
         begin_stage(execution.progress, "placing instances", boxes_.size());
@@ -67,13 +67,13 @@ public:
     [[nodiscard]] const std::vector<Box>& boxes() const noexcept { return boxes_; }
 
 private:
-    static const char* place_one(const std::vector<SceneShape>& shapes, const Instance& instance,
-                                 Box& box) noexcept
+    static const char* place_one(const std::vector<InstancedShape>& shapes,
+                                 const Instance& instance, Box& box) noexcept
     {
         if (instance.shape >= shapes.size()) return "its shape is not one of the scene's indexes";
         if (const char* const problem = pose_problem(instance.pose); problem != nullptr)
             return problem;
-        const SceneShape& shape = shapes[instance.shape];
+        const InstancedShape& shape = shapes[instance.shape];
         if (shape.boxes.empty()) return nullptr;
         box = instance_box(shape, instance.pose);
         const bool fits = (box.lower.array() >= -max_scene_coordinate).all() &&
@@ -181,7 +181,7 @@ ViewPlane to_instance(const RigidTransform& pose, const ViewPlane& plane) noexce
 Scene::Scene()
 {
     auto parts = std::make_shared<SceneParts>();
-    parts->shapes = std::make_shared<const std::vector<SceneShape>>();
+    parts->shapes = std::make_shared<const std::vector<InstancedShape>>();
     parts->row_of = std::make_shared<const std::vector<std::uint32_t>>();
     parts_ = std::move(parts);
 }
@@ -239,9 +239,9 @@ Result<Scene> build_scene(std::span<const MeshIndex> shapes, std::span<const Ins
     if (Status status = check_scene_budget(instances.size(), execution); !status)
         return tl::unexpected(status.error());
     auto parts = std::make_shared<SceneParts>();
-    std::vector<SceneShape> made(shapes.size());
+    std::vector<InstancedShape> made(shapes.size());
     parallel_for(shapes.size(), execution.threads,
-                 [&](std::size_t i) { made[i] = make_scene_shape(shapes[i]); });
+                 [&](std::size_t i) { made[i] = make_instanced_shape(shapes[i]); });
     PlacedBoxes placed(instances.size());
     if (Status status = placed.place(
             made, [&](std::size_t i) -> const Instance& { return instances[i]; }, execution);
@@ -273,7 +273,7 @@ Result<Scene> build_scene(std::span<const MeshIndex> shapes, std::span<const Ins
     for (const TriangleId at : parts->tree.ids()) put(row++, ids[to_index(at)]);
     for (std::uint32_t i = 0; i < boxes.size(); ++i)
         if (boxes[i].empty()) put(row++, i);
-    parts->shapes = std::make_shared<const std::vector<SceneShape>>(std::move(made));
+    parts->shapes = std::make_shared<const std::vector<InstancedShape>>(std::move(made));
     parts->row_of = std::make_shared<const std::vector<std::uint32_t>>(std::move(row_of));
     return Scene(std::move(parts));
 }

@@ -55,9 +55,9 @@ void open_block(const IndexParts& index, std::size_t at, std::vector<OpenBlock>&
 
 } // namespace
 
-SceneShape make_scene_shape(const MeshIndex& index)
+InstancedShape make_instanced_shape(const MeshIndex& index)
 {
-    SceneShape shape{index, {}, 0};
+    InstancedShape shape{index, {}, 0};
     const IndexParts& parts = index.parts();
     if (parts.triangle_count() == 0) return shape;
     std::vector<OpenBlock> open;
@@ -88,7 +88,7 @@ SceneShape make_scene_shape(const MeshIndex& index)
     return shape;
 }
 
-Box instance_box(const SceneShape& shape, const RigidTransform& pose) noexcept
+Box instance_box(const InstancedShape& shape, const RigidTransform& pose) noexcept
 {
     const Mat3& r = pose.rotation;
     const Mat3 sizes = r.cwiseAbs();

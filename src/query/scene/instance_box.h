@@ -8,11 +8,11 @@
 namespace proxima {
 
 /// The boxes of a shape's parts, most_shape_boxes at most: the largest nodes of its tree are opened first.
-[[nodiscard]] SceneShape make_scene_shape(const MeshIndex& index);
+[[nodiscard]] InstancedShape make_instanced_shape(const MeshIndex& index);
 
 inline constexpr std::size_t most_shape_boxes = 48;
 
 /// The box of the shape in that pose. \pre the shape has boxes
-[[nodiscard]] Box instance_box(const SceneShape& shape, const RigidTransform& pose) noexcept;
+[[nodiscard]] Box instance_box(const InstancedShape& shape, const RigidTransform& pose) noexcept;
 
 } // namespace proxima

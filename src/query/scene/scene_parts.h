@@ -41,7 +41,7 @@ struct ShapeBox {
 };
 
 /// An index as instances share it.
-struct SceneShape {
+struct InstancedShape {
     MeshIndex index;
     std::vector<ShapeBox> boxes; ///< all triangles are in one of them; none of an empty index
     double reach = 0;            ///< P
@@ -57,7 +57,7 @@ struct alignas(64) SceneRow {
 static_assert(sizeof(SceneRow) == 64);
 
 struct SceneParts {
-    std::shared_ptr<const std::vector<SceneShape>> shapes;
+    std::shared_ptr<const std::vector<InstancedShape>> shapes;
     std::shared_ptr<const std::vector<std::uint32_t>> row_of;
     MeshIndex tree;
     std::vector<SceneRow> rows;

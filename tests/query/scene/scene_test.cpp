@@ -1,5 +1,6 @@
 #include "proxima/scene.h"
 
+#include "base/simd.h"
 #include "cancellation.h"
 #include "counted_allocations.h"
 #include "proxima/intersect_meshes.h"
@@ -419,6 +420,22 @@ TEST(Scene, AnswersThousandsOfInstancesLikeOneByOne)
     Found found;
     expect_truth(of, scene, random, 200, found);
     EXPECT_GT(found.contacts, 20U);
+}
+
+TEST(Scene, IsTheSameWithEveryInstructionSet)
+{
+    constexpr std::uint64_t seed = 8;
+    const RandomScene of = many_instances(500, seed);
+    const Scene scene = build_scene(of.shapes, of.instances).value();
+    for (const SimdTarget& target : simd_targets()) {
+        SCOPED_TRACE(target.name);
+        force_simd_target(target);
+        SceneGenerator random(seed);
+        Found found;
+        expect_truth(of, scene, random, 150, found);
+        restore_simd_targets();
+        EXPECT_GT(found.rays, 40U);
+    }
 }
 
 TEST(Scene, IsTheSameForAnyNumberOfThreads)
