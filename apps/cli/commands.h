@@ -32,6 +32,7 @@ struct Command {
 [[nodiscard]] Command add_raycast_command(CLI::App& app);
 [[nodiscard]] Command add_cull_command(CLI::App& app);
 [[nodiscard]] Command add_intersect_command(CLI::App& app);
+[[nodiscard]] Command add_scene_command(CLI::App& app);
 [[nodiscard]] Command add_touch_command(CLI::App& app);
 
 } // namespace proxima

@@ -4,10 +4,10 @@ namespace proxima {
 
 Status GlLayers::show(std::span<const SceneLayer> layers)
 {
-    std::map<const Scene*, Uploaded> kept;
+    std::map<const DrawnScene*, Uploaded> kept;
     layers_.clear();
     for (const SceneLayer& layer : layers) {
-        const Scene* const scene = layer.scene.get();
+        const DrawnScene* const scene = layer.scene.get();
         auto found = kept.find(scene);
         if (found == kept.end()) {
             auto before = uploaded_.extract(scene);

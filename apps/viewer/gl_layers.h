@@ -26,10 +26,10 @@ public:
 
 private:
     struct Uploaded {
-        std::shared_ptr<const Scene> scene; ///< keeps the address from being used again
+        std::shared_ptr<const DrawnScene> scene; ///< keeps the address from being used again
         std::unique_ptr<GlScene> gl;
     };
-    std::map<const Scene*, Uploaded> uploaded_;
+    std::map<const DrawnScene*, Uploaded> uploaded_;
     std::vector<GlLayer> layers_;
     std::size_t uploads_ = 0;
     std::size_t uploaded_bytes_ = 0;

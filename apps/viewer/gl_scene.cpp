@@ -79,7 +79,7 @@ GlScene::Lines GlScene::upload_segments(const std::vector<float>& coordinates)
     return lines;
 }
 
-GlScene::GlScene(const Scene& scene) : backdrop_{scene.background_top, scene.background_bottom}
+GlScene::GlScene(const DrawnScene& scene) : backdrop_{scene.background_top, scene.background_bottom}
 {
     const Box box = bounding_box(scene);
     if (!box.empty()) {

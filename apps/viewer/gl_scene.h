@@ -17,7 +17,7 @@ namespace proxima {
 /// Positions are floats relative to the middle of the scene. \pre a context is current
 class GlScene {
 public:
-    explicit GlScene(const Scene& scene);
+    explicit GlScene(const DrawnScene& scene);
 
     /// Of the buffers.
     [[nodiscard]] std::size_t bytes() const noexcept { return bytes_; }

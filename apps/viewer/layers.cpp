@@ -58,7 +58,7 @@ SceneLines cut_lines(const SceneLines& from, const HalfSpace& cut)
     return result;
 }
 
-void append(Scene& scene, const SceneLayer& layer)
+void append(DrawnScene& scene, const SceneLayer& layer)
 {
     for (SceneSurface surface : layer.scene->surfaces) {
         for (Vec3& position : surface.positions) position = layer.pose(position);
@@ -77,9 +77,9 @@ void append(Scene& scene, const SceneLayer& layer)
 
 } // namespace
 
-Scene flattened(std::span<const SceneLayer> layers, const Backdrop& backdrop)
+DrawnScene flattened(std::span<const SceneLayer> layers, const Backdrop& backdrop)
 {
-    Scene scene;
+    DrawnScene scene;
     scene.background_top = backdrop.top;
     scene.background_bottom = backdrop.bottom;
     for (const SceneLayer& layer : layers) append(scene, layer);

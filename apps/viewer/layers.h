@@ -17,7 +17,7 @@
 namespace proxima {
 
 struct SceneLayer {
-    std::shared_ptr<const Scene> scene;
+    std::shared_ptr<const DrawnScene> scene;
     RigidTransform pose = {};
     std::optional<Color> color = {};   ///< of all its surfaces, instead of their own
     float opacity = 1.0F;              ///< times their own
@@ -31,7 +31,7 @@ struct Backdrop {
 };
 
 /// One scene of all layers: moved, coloured and cut.
-[[nodiscard]] Scene flattened(std::span<const SceneLayer> layers, const Backdrop& backdrop);
+[[nodiscard]] DrawnScene flattened(std::span<const SceneLayer> layers, const Backdrop& backdrop);
 
 /// The box about all layers at their poses, without cuts; empty without layers.
 [[nodiscard]] Box bounding_box(std::span<const SceneLayer> layers);

@@ -18,7 +18,7 @@ std::array<double, 3> linear_channels(const Color& color)
 
 } // namespace
 
-Status export_scene(const Scene& scene, const std::filesystem::path& path, Progress* progress)
+Status export_scene(const DrawnScene& scene, const std::filesystem::path& path, Progress* progress)
 {
     const Box box = bounding_box(scene);
     const Vec3 origin = box.empty() ? Vec3(Vec3::Zero()) : box.center();

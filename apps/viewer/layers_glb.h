@@ -11,7 +11,7 @@ namespace proxima {
 
 /// Surfaces and lines of the scene, a node each, by their names; how clear a surface is is left out.
 /// Errors as write_glb: limit_exceeded, file_not_writable, cancelled.
-[[nodiscard]] Status export_scene(const Scene& scene, const std::filesystem::path& path,
+[[nodiscard]] Status export_scene(const DrawnScene& scene, const std::filesystem::path& path,
                                   Progress* progress = nullptr);
 
 } // namespace proxima

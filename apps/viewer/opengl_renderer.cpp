@@ -56,7 +56,7 @@ public:
           samples_(std::min(most_samples, wanted_samples)), most_pixels_(most_pixels)
     {}
 
-    Result<Image> render(const Scene& scene, const OrbitCamera& camera, ViewSize size) override
+    Result<Image> render(const DrawnScene& scene, const OrbitCamera& camera, ViewSize size) override
     {
         if (Status status = context_.make_current(); !status) return tl::unexpected(status.error());
         if (std::max(size.width, size.height) > most_pixels_) {

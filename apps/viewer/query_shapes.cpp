@@ -15,7 +15,7 @@ std::vector<TriangleId> all_but(const TriangleMesh& mesh, std::span<const Triang
     return rest;
 }
 
-void add_part(Scene& scene, const TriangleMesh& mesh, std::span<const TriangleId> triangles,
+void add_part(DrawnScene& scene, const TriangleMesh& mesh, std::span<const TriangleId> triangles,
               const ShapeStyle& style)
 {
     if (!triangles.empty()) add_mesh(scene, sub_mesh(mesh, triangles), style);
@@ -50,7 +50,7 @@ std::array<Vec3, 8> frustum_corners(const PerspectiveCamera& camera)
     return corners;
 }
 
-void add_frustum(Scene& scene, const PerspectiveCamera& camera, const EdgeStyle& style)
+void add_frustum(DrawnScene& scene, const PerspectiveCamera& camera, const EdgeStyle& style)
 {
     const auto corners = frustum_corners(camera);
     SceneLines lines{style.name, {}, style.color, style.width, style.opacity};

@@ -19,7 +19,7 @@ namespace proxima {
                                               std::span<const TriangleId> named);
 
 /// These triangles of the mesh; nothing for none.
-void add_part(Scene& scene, const TriangleMesh& mesh, std::span<const TriangleId> triangles,
+void add_part(DrawnScene& scene, const TriangleMesh& mesh, std::span<const TriangleId> triangles,
               const ShapeStyle& style);
 
 /// The leaves of one side of the pairs, each once.
@@ -30,7 +30,7 @@ boxes_of_leaves(const Octree& octree, const std::vector<LeafPair>& pairs, Cell L
 [[nodiscard]] std::array<Vec3, 8> frustum_corners(const PerspectiveCamera& camera);
 
 /// Adds the edges of the camera's volume, and lines from the eye to it.
-void add_frustum(Scene& scene, const PerspectiveCamera& camera, const EdgeStyle& style);
+void add_frustum(DrawnScene& scene, const PerspectiveCamera& camera, const EdgeStyle& style);
 
 /// From black at 0 to yellow at 1.
 [[nodiscard]] Color intensity_color(double weight);

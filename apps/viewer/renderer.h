@@ -21,7 +21,7 @@ public:
 
     /// Draws opaque surfaces by depth, then translucent ones and lines from far to near.
     /// Errors: cancelled, budget_exceeded, and those of the graphics system.
-    [[nodiscard]] virtual Result<Image> render(const Scene& scene, const OrbitCamera& camera,
+    [[nodiscard]] virtual Result<Image> render(const DrawnScene& scene, const OrbitCamera& camera,
                                                ViewSize size) = 0;
 };
 

@@ -2,7 +2,7 @@
 
 namespace proxima {
 
-std::vector<Vec3> positions_of(const Scene& scene)
+std::vector<Vec3> positions_of(const DrawnScene& scene)
 {
     std::vector<Vec3> positions;
     for (const SceneSurface& surface : scene.surfaces)
@@ -13,7 +13,7 @@ std::vector<Vec3> positions_of(const Scene& scene)
     return positions;
 }
 
-Box bounding_box(const Scene& scene)
+Box bounding_box(const DrawnScene& scene)
 {
     Box box;
     for (const Vec3& position : positions_of(scene)) box.extend(position);

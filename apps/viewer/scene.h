@@ -1,6 +1,6 @@
 // What a figure or a window shows: surfaces and lines in space. Nothing of how it is drawn.
 //
-//     Scene scene;
+//     DrawnScene scene;
 //     add_mesh(scene, mesh, {.name = "mesh"});              // scene_shapes.h
 //     add_box(scene, cell, {.color = srgb(0xFFE23D)});
 //     const OrbitCamera camera = framed({.azimuth = 0.5}, scene, size);
@@ -41,7 +41,7 @@ struct SceneLines {
     float opacity = 1.0F;
 };
 
-struct Scene {
+struct DrawnScene {
     Color background_top = srgb(0xFBFCFE);
     Color background_bottom = srgb(0xE3E8EF);
     float creases = 0.0F; ///< how dark creases are, 0 to 1
@@ -50,9 +50,9 @@ struct Scene {
 };
 
 /// Of surfaces and lines; empty without any.
-[[nodiscard]] Box bounding_box(const Scene& scene);
+[[nodiscard]] Box bounding_box(const DrawnScene& scene);
 
 /// All points that a camera must show: corners of surfaces and ends of lines.
-[[nodiscard]] std::vector<Vec3> positions_of(const Scene& scene);
+[[nodiscard]] std::vector<Vec3> positions_of(const DrawnScene& scene);
 
 } // namespace proxima

@@ -10,7 +10,7 @@
 namespace proxima {
 namespace {
 
-SceneSurface& new_surface(Scene& scene, const ShapeStyle& style)
+SceneSurface& new_surface(DrawnScene& scene, const ShapeStyle& style)
 {
     SceneSurface surface;
     surface.name = style.name;
@@ -21,7 +21,7 @@ SceneSurface& new_surface(Scene& scene, const ShapeStyle& style)
     return scene.surfaces.emplace_back(std::move(surface));
 }
 
-SceneLines& new_lines(Scene& scene, const EdgeStyle& style)
+SceneLines& new_lines(DrawnScene& scene, const EdgeStyle& style)
 {
     return scene.lines.emplace_back(
         SceneLines{style.name, {}, style.color, style.width, style.opacity});
@@ -64,7 +64,7 @@ constexpr std::array<std::array<std::size_t, 2>, 12> box_edges = {{{0, 1},
 
 } // namespace
 
-void add_mesh(Scene& scene, const TriangleMesh& mesh, const ShapeStyle& style)
+void add_mesh(DrawnScene& scene, const TriangleMesh& mesh, const ShapeStyle& style)
 {
     SceneSurface& surface = new_surface(scene, style);
     if (style.smoothing == Smoothing::smooth) {
@@ -75,7 +75,7 @@ void add_mesh(Scene& scene, const TriangleMesh& mesh, const ShapeStyle& style)
     surface.triangles.assign(mesh.triangles().begin(), mesh.triangles().end());
 }
 
-void add_mesh_edges(Scene& scene, const TriangleMesh& mesh, const EdgeStyle& style)
+void add_mesh_edges(DrawnScene& scene, const TriangleMesh& mesh, const EdgeStyle& style)
 {
     constexpr double flat_cosine = 0.9998;
     SceneLines& lines = new_lines(scene, style);
@@ -93,8 +93,8 @@ void add_mesh_edges(Scene& scene, const TriangleMesh& mesh, const EdgeStyle& sty
     }
 }
 
-void add_polygons(Scene& scene, const DrawnSurface& drawn, std::span<const std::uint32_t> polygons,
-                  const ShapeStyle& style)
+void add_polygons(DrawnScene& scene, const DrawnSurface& drawn,
+                  std::span<const std::uint32_t> polygons, const ShapeStyle& style)
 {
     SceneSurface& surface = new_surface(scene, style);
     surface.positions = drawn.positions;
@@ -105,7 +105,7 @@ void add_polygons(Scene& scene, const DrawnSurface& drawn, std::span<const std::
     }
 }
 
-void add_polygon_edges(Scene& scene, const DrawnSurface& drawn,
+void add_polygon_edges(DrawnScene& scene, const DrawnSurface& drawn,
                        std::span<const std::uint32_t> polygons, const EdgeStyle& style)
 {
     SceneLines& lines = new_lines(scene, style);
@@ -118,7 +118,7 @@ void add_polygon_edges(Scene& scene, const DrawnSurface& drawn,
     }
 }
 
-void add_box(Scene& scene, const Box& box, const ShapeStyle& style)
+void add_box(DrawnScene& scene, const Box& box, const ShapeStyle& style)
 {
     SceneSurface& surface = new_surface(scene, style);
     for (const Vec3& corner : corners(box)) surface.positions.push_back(corner);
@@ -133,7 +133,7 @@ void add_box(Scene& scene, const Box& box, const ShapeStyle& style)
     }
 }
 
-void add_box_edges(Scene& scene, std::span<const Box> boxes, const EdgeStyle& style)
+void add_box_edges(DrawnScene& scene, std::span<const Box> boxes, const EdgeStyle& style)
 {
     SceneLines& lines = new_lines(scene, style);
     for (const Box& box : boxes) {
@@ -142,7 +142,7 @@ void add_box_edges(Scene& scene, std::span<const Box> boxes, const EdgeStyle& st
     }
 }
 
-void add_arrow(Scene& scene, const Vec3& from, const Vec3& to, double radius,
+void add_arrow(DrawnScene& scene, const Vec3& from, const Vec3& to, double radius,
                const ShapeStyle& style)
 {
     constexpr int sides = 20;
@@ -184,7 +184,7 @@ void add_arrow(Scene& scene, const Vec3& from, const Vec3& to, double radius,
     }
 }
 
-void add_ball(Scene& scene, const Vec3& center, double radius, const ShapeStyle& style)
+void add_ball(DrawnScene& scene, const Vec3& center, double radius, const ShapeStyle& style)
 {
     const TriangleMesh ball = make_icosphere(3);
     SceneSurface& surface = new_surface(scene, style);

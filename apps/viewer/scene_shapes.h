@@ -30,25 +30,25 @@ struct EdgeStyle {
 };
 
 /// Smooth ones get a normal per vertex, but for edges sharper than 45 degrees.
-void add_mesh(Scene& scene, const TriangleMesh& mesh, const ShapeStyle& style);
+void add_mesh(DrawnScene& scene, const TriangleMesh& mesh, const ShapeStyle& style);
 
 /// All edges between triangles that are bent by more than about a degree, and borders.
-void add_mesh_edges(Scene& scene, const TriangleMesh& mesh, const EdgeStyle& style);
+void add_mesh_edges(DrawnScene& scene, const TriangleMesh& mesh, const EdgeStyle& style);
 
 /// The polygons named, all without names, as fans.
-void add_polygons(Scene& scene, const DrawnSurface& surface,
+void add_polygons(DrawnScene& scene, const DrawnSurface& surface,
                   std::span<const std::uint32_t> polygons, const ShapeStyle& style);
-void add_polygon_edges(Scene& scene, const DrawnSurface& surface,
+void add_polygon_edges(DrawnScene& scene, const DrawnSurface& surface,
                        std::span<const std::uint32_t> polygons, const EdgeStyle& style);
 
-void add_box(Scene& scene, const Box& box, const ShapeStyle& style);
-void add_box_edges(Scene& scene, std::span<const Box> boxes, const EdgeStyle& style);
+void add_box(DrawnScene& scene, const Box& box, const ShapeStyle& style);
+void add_box_edges(DrawnScene& scene, std::span<const Box> boxes, const EdgeStyle& style);
 
 /// A shaft with a tip, lit. \pre from != to
-void add_arrow(Scene& scene, const Vec3& from, const Vec3& to, double radius,
+void add_arrow(DrawnScene& scene, const Vec3& from, const Vec3& to, double radius,
                const ShapeStyle& style);
 
-void add_ball(Scene& scene, const Vec3& center, double radius, const ShapeStyle& style);
+void add_ball(DrawnScene& scene, const Vec3& center, double radius, const ShapeStyle& style);
 
 /// 0, 1, ..., count - 1.
 [[nodiscard]] std::vector<std::uint32_t> first_numbers(std::size_t count);

@@ -61,7 +61,7 @@ class SoftwareRenderer final : public Renderer {
 public:
     explicit SoftwareRenderer(const Progress* progress) : progress_(progress) {}
 
-    Result<Image> render(const Scene& scene, const OrbitCamera& camera, ViewSize size) override
+    Result<Image> render(const DrawnScene& scene, const OrbitCamera& camera, ViewSize size) override
     {
         auto drawn = make_canvas(size.width, size.height, progress_);
         if (!drawn) return tl::unexpected(drawn.error());

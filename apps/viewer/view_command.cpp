@@ -64,7 +64,7 @@ nlohmann::ordered_json facts_of(const Viewer& viewer)
 Status write_files(const Viewer& viewer, const ViewOptions& options, Session& session)
 {
     Progress* const progress = &session.progress();
-    const Scene scene = flattened(viewer.layers(), viewer.backdrop());
+    const DrawnScene scene = flattened(viewer.layers(), viewer.backdrop());
     if (!options.picture.empty()) {
         auto renderer = [&]() -> Result<std::unique_ptr<Renderer>> {
             if (options.opengl) return make_opengl_renderer();

@@ -26,10 +26,10 @@ constexpr std::uint64_t bytes_per_triangle = 1100;
 
 constexpr std::array model_colors = {0xE9E1D2U, 0xCFDDEBU, 0xD9E8D0U, 0xEBD5D5U, 0xE3D8EEU};
 
-std::shared_ptr<const Scene> surface_scene(const TriangleMesh& mesh, const Color& color,
-                                           Smoothing smoothing)
+std::shared_ptr<const DrawnScene> surface_scene(const TriangleMesh& mesh, const Color& color,
+                                                Smoothing smoothing)
 {
-    auto scene = std::make_shared<Scene>();
+    auto scene = std::make_shared<DrawnScene>();
     add_mesh(*scene, mesh, {.name = "mesh", .color = color, .smoothing = smoothing});
     return scene;
 }

@@ -26,8 +26,8 @@ struct ViewModel {
     double edge = 0.0; ///< about as long as its edges are
     Vec3 up = Vec3::UnitZ();
     Color color = Color::Ones();
-    std::shared_ptr<const Scene> flat;   ///< a normal per triangle
-    std::shared_ptr<const Scene> smooth; ///< normals blended where triangles are bent little
+    std::shared_ptr<const DrawnScene> flat;   ///< a normal per triangle
+    std::shared_ptr<const DrawnScene> smooth; ///< normals blended where triangles are bent little
 };
 
 using ViewModels = std::vector<std::shared_ptr<const ViewModel>>;

@@ -26,6 +26,7 @@
 #include "proxima/octree_io.h"
 #include "proxima/result.h"
 #include "proxima/sample_meshes.h"
+#include "proxima/scene.h"
 #include "proxima/signed_distance.h"
 #include "proxima/thesis.h"
 #include "proxima/tool_renderer.h"

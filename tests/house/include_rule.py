@@ -47,7 +47,7 @@ PUBLIC = {
     "index_io.h": "index", "mesh_index.h": "index",
     "cast_ray.h": "query", "cells_along_ray.h": "query", "closest_feature.h": "query", "cull.h": "query",
     "intersect_meshes.h": "query", "mesh_distance.h": "query", "neighbourhood.h": "query",
-    "distance_field.h": "query", "signed_distance.h": "query",
+    "distance_field.h": "query", "scene.h": "query", "signed_distance.h": "query",
     "thesis.h": "thesis",
     "device.h": "haptics", "haptic_renderer.h": "haptics", "tool_renderer.h": "haptics", "touch_scene.h": "haptics",
 }
@@ -68,7 +68,7 @@ KERNELS = {f"src/octree/{name}" for name in (
         "contact/intersect_meshes.cpp", "contact/leaf_intersection-inl.h", "contact/walk_pairs-inl.h",
         "culling/cull_volume.cpp", "distance/mesh_distance.cpp", "distance/pair_bounds-inl.h", "field/search_grid.cpp",
         "rays/cast_ray.cpp",
-        "rays/intersect_exact-inl.h", "rays/prepare_ray-inl.h", "rays/walk_ray-inl.h")} | {
+        "rays/intersect_exact-inl.h", "rays/prepare_ray-inl.h", "rays/walk_ray-inl.h", "scene/walk_scene.cpp")} | {
     f"src/haptics/surface/{name}" for name in (
         "ball_gaps-inl.h", "find_groups.cpp", "groups_along_segment.cpp", "near_groups.cpp", "triangle_groups.cpp",
         "triangle_tree_search.cpp")} | {"src/haptics/tool/closest_directions.cpp"}

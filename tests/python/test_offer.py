@@ -14,6 +14,7 @@ NO_PART_OF_IT = {
     "export.h": "for compilers",
     "function_ref.h": "C++ callbacks",
     "proxima.h": "includes the others",
+    "scene.h": "scenes of placed indexes: not bound yet, `proxima scene` does it",
     "tool_renderer.h": "touch with a tool: not bound yet, `proxima touch --tool` does it",
     "thesis.h": "the thesis's own methods, to compare with: their answers are those of the index",
 }

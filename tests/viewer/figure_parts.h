@@ -31,7 +31,8 @@ inline Image picture_of(const ScenePanel& panel)
     return *make_software_renderer()->render(panel.scene, panel.camera, panel.size);
 }
 
-inline std::vector<const SceneSurface*> surfaces_named(const Scene& scene, const std::string& name)
+inline std::vector<const SceneSurface*> surfaces_named(const DrawnScene& scene,
+                                                       const std::string& name)
 {
     std::vector<const SceneSurface*> found;
     for (const SceneSurface& surface : scene.surfaces)

@@ -21,9 +21,9 @@
 namespace proxima {
 namespace {
 
-std::shared_ptr<const Scene> ball_scene()
+std::shared_ptr<const DrawnScene> ball_scene()
 {
-    auto scene = std::make_shared<Scene>();
+    auto scene = std::make_shared<DrawnScene>();
     add_ball(*scene, Vec3::Zero(), 1.0, {.name = "ball", .color = srgb(0xC02020)});
     add_box_edges(*scene, std::array{Box{Vec3::Constant(-1), Vec3::Constant(1)}}, {.name = "box"});
     return scene;
@@ -33,7 +33,7 @@ TEST(Layers, FlattenMovesColoursAndFades)
 {
     SceneLayer layer = {.scene = ball_scene(), .color = srgb(0x2040FF), .opacity = 0.5F};
     layer.pose.translation = Vec3(10, 0, 0);
-    const Scene scene = flattened(std::span(&layer, 1), {srgb(0x111111), srgb(0x222222)});
+    const DrawnScene scene = flattened(std::span(&layer, 1), {srgb(0x111111), srgb(0x222222)});
     EXPECT_NEAR(bounding_box(scene).center().x(), 10.0, 1e-12);
     EXPECT_TRUE((scene.surfaces[0].color == srgb(0x2040FF)).all());
     EXPECT_EQ(scene.surfaces[0].opacity, 0.5F);
@@ -46,7 +46,7 @@ TEST(Layers, ACutKeepsWhatLiesInside)
 {
     SceneLayer layer = {.scene = ball_scene()};
     layer.cut = HalfSpace{Vec3(0, 0, 1), 0.25};
-    const Scene scene = flattened(std::span(&layer, 1), {});
+    const DrawnScene scene = flattened(std::span(&layer, 1), {});
     double area = 0.0;
     for (const TriangleCorners& corners : scene.surfaces[0].triangles) {
         const auto& at = scene.surfaces[0].positions;

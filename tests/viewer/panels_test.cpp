@@ -341,7 +341,7 @@ TEST(Panels, VoronoiPanelShowsRegionsBehindTheSurfaceThroughIt)
 TEST(Panels, VoronoiPanelFitsTheRegionIntoThePicture)
 {
     Shown shown({"icosphere:4"}, "voronoi"); // small triangles: it begins near one
-    const Scene scene = shown.scene();
+    const DrawnScene scene = shown.scene();
     const View view(shown.viewer.camera(), shown_size);
     std::size_t seen = 0;
     for (const SceneSurface& surface : scene.surfaces) {

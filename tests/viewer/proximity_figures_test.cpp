@@ -51,14 +51,14 @@ TEST(ProximityFigures, VoronoiRegionsAreBoundedByTheirPlanes)
           Expectation{figure_4_5, 4, 4}}) {
         const auto content = make({});
         ASSERT_TRUE(content) << content.error().message;
-        const Scene& scene = scene_of(*content).scene;
+        const DrawnScene& scene = scene_of(*content).scene;
         EXPECT_EQ(surfaces_named(scene, "normal").size(), planes);
         EXPECT_EQ(surfaces_named(scene, "ray").size(), rays);
     }
     const auto bodies = figure_4_6({});
     ASSERT_TRUE(bodies);
     // The cube: 8 corners, 12 edges that are bent, 12 triangles.
-    const Scene& cube = scene_of(*bodies, 0).scene;
+    const DrawnScene& cube = scene_of(*bodies, 0).scene;
     EXPECT_EQ(surfaces_named(cube, "vertex").size(), 8U);
     EXPECT_EQ(surfaces_named(cube, "edge").size(), 12U);
     EXPECT_EQ(surfaces_named(cube, "face").size(), 12U);
@@ -69,7 +69,7 @@ TEST(ProximityFigures, ObstructingFacetsAreThoseThatRaysCross)
     const auto content = figure_4_9({});
     ASSERT_TRUE(content) << content.error().message;
     for (std::size_t panel = 0; panel < 3; ++panel) {
-        const Scene& scene = scene_of(*content, panel).scene;
+        const DrawnScene& scene = scene_of(*content, panel).scene;
         const auto normals = surfaces_named(scene, "normal");
         const auto rays = surfaces_named(scene, "ray");
         ASSERT_FALSE(normals.empty());

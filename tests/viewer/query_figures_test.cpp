@@ -98,7 +98,7 @@ TEST(QueryFigures, TouchedPointAgreesWithBruteForce)
     EXPECT_EQ(touched->around, around);
     const auto content = figure_5_2({});
     ASSERT_TRUE(content) << content.error().message;
-    const Scene& scene = scene_of(*content).scene;
+    const DrawnScene& scene = scene_of(*content).scene;
     EXPECT_EQ(surfaces_named(scene, "closest").at(0)->triangles.size(), 1U);
     EXPECT_EQ(surfaces_named(scene, "around").at(0)->triangles.size(), around.size());
     EXPECT_EQ(surfaces_named(scene, "mesh").at(0)->triangles.size(),
@@ -120,7 +120,7 @@ TEST(QueryFigures, YellowTrianglesAreAllThatCanIntersect)
     }
     const auto content = figure_5_4({});
     ASSERT_TRUE(content);
-    const Scene& scene = scene_of(*content).scene;
+    const DrawnScene& scene = scene_of(*content).scene;
     const auto yellow = surfaces_named(scene, "candidates");
     ASSERT_EQ(yellow.size(), 2U);
     EXPECT_EQ(yellow[0]->triangles.size(), spheres->candidates.a.size());
@@ -171,7 +171,7 @@ TEST(QueryFigures, CulledCellsAreOutsideOfAPlane)
     EXPECT_EQ(ship->triangles, std::vector<TriangleId>(triangles.begin(), triangles.end()));
     const auto content = figure_5_7({});
     ASSERT_TRUE(content);
-    const Scene& scene = scene_of(*content).scene;
+    const DrawnScene& scene = scene_of(*content).scene;
     EXPECT_EQ(surfaces_named(scene, "visible").at(0)->triangles.size(), triangles.size());
     EXPECT_EQ(surfaces_named(scene, "culled").at(0)->triangles.size(),
               ship->mesh.triangle_count() - triangles.size());

@@ -131,7 +131,7 @@ TEST(RegionShape, IsDrawnOpenWhereItContinues)
 {
     const Built cubes = built(two_cubes(0.5));
     const auto triangles_of = [&](const RegionShape& shape) {
-        Scene scene;
+        DrawnScene scene;
         add_region(scene, shape, srgb(0x4A7FD0));
         std::size_t count = 0;
         for (const SceneSurface& surface : scene.surfaces) count += surface.triangles.size();
@@ -202,7 +202,7 @@ TEST(RegionShape, OfVerticesInFlatPartsIsALine)
     const auto shape = region_shape(*square.model, square.listed, {FeatureKind::vertex, 4}, 0.3);
     ASSERT_TRUE(shape) << describe(shape.error());
     EXPECT_EQ(words_for_region(*shape), "drawn, a line");
-    Scene scene;
+    DrawnScene scene;
     add_region(scene, *shape, srgb(0x4A7FD0));
     EXPECT_TRUE(scene.surfaces.empty());
     double length = 0.0;

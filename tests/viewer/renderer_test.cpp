@@ -44,7 +44,7 @@ protected:
         return *renderer->render(scene, framed(camera, positions_of(scene), size), size);
     }
 
-    Scene scene;
+    DrawnScene scene;
     OrbitCamera camera = {.azimuth = 0.0, .elevation = 0.0};
 };
 
@@ -133,7 +133,7 @@ TEST(Renderers, OpenGlDrawsLikeSoftware)
 {
     const auto opengl = make_opengl_renderer();
     if (!opengl) GTEST_SKIP() << opengl.error().message;
-    Scene scene;
+    DrawnScene scene;
     add_mesh(scene, make_torus(48, 24), {.smoothing = Smoothing::smooth});
     add_box(scene, {Vec3(-2, -2, -0.6), Vec3(2, 2, -0.55)}, {.color = srgb(0x7FA6C9)});
     add_box(scene, {Vec3(0.2, -1.8, -0.3), Vec3(1.4, -0.6, 0.9)},
@@ -194,7 +194,7 @@ TEST(SceneShapes, AreClosedSurfacesTurnedOutward)
         }
         return volume;
     };
-    Scene scene;
+    DrawnScene scene;
     add_box(scene, {Vec3(1, 2, 3), Vec3(2, 4, 6)}, {});
     EXPECT_DOUBLE_EQ(volume_of(scene.surfaces.back()), 6.0);
     add_ball(scene, Vec3(1, 2, 3), 0.5, {});

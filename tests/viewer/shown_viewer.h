@@ -53,7 +53,7 @@ public:
         return value;
     }
 
-    [[nodiscard]] Scene scene() const { return flattened(viewer.layers(), viewer.backdrop()); }
+    [[nodiscard]] DrawnScene scene() const { return flattened(viewer.layers(), viewer.backdrop()); }
 
     /// Triangles of all surfaces of a name.
     [[nodiscard]] std::size_t triangles(std::string_view name) const

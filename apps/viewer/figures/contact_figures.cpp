@@ -71,7 +71,7 @@ Result<FigureContent> figure_5_2(const Execution& context)
     std::vector<TriangleId> marked = touched->around;
     marked.push_back(touched->closest.triangle);
     std::ranges::sort(marked);
-    Scene scene;
+    DrawnScene scene;
     add_part(scene, touched->mesh, all_but(touched->mesh, marked), {.name = "mesh"});
     add_part(scene, touched->mesh, touched->around,
              {.name = "around", .color = srgb(figure_colors::blue)});
@@ -121,7 +121,7 @@ Result<FigureContent> figure_5_4(const Execution& context)
 {
     const auto spheres = meeting_spheres(context);
     if (!spheres) return tl::unexpected(spheres.error());
-    Scene scene;
+    DrawnScene scene;
     const Color yellow = srgb(0xF2C81E);
     constexpr float glass = 0.85F; // boxes are seen through it, whole
     const auto add_sphere = [&](const TriangleMesh& mesh, const std::vector<TriangleId>& marked,

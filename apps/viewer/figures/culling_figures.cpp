@@ -17,9 +17,9 @@
 namespace proxima {
 namespace {
 
-Scene culling_scene(const CulledShip& ship)
+DrawnScene culling_scene(const CulledShip& ship)
 {
-    Scene scene;
+    DrawnScene scene;
     std::vector<TriangleId> hidden;
     for (std::uint32_t i = 0; i < ship.mesh.triangle_count(); ++i) {
         if (!std::ranges::binary_search(ship.triangles, TriangleId{i}))

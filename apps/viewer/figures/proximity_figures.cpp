@@ -197,7 +197,7 @@ Result<FigureContent> figure_4_2(const Execution& context)
     const OrbitCamera camera = {.azimuth = 0.35, .elevation = 0.3};
 
     // Of the outer leaves the layer just behind the middle, brighter where lists are short.
-    Scene left;
+    DrawnScene left;
     add_mesh(left, shown->mesh, sphere);
     add_mesh_edges(left, shown->mesh, mesh_edges);
     std::vector<Box> layer;
@@ -217,7 +217,7 @@ Result<FigureContent> figure_4_2(const Execution& context)
     }
     add_box_edges(left, layer, {.color = srgb(0x2F62B5), .width = 1.0});
 
-    Scene right;
+    DrawnScene right;
     add_mesh(right, shown->mesh, sphere);
     add_mesh_edges(right, shown->mesh, mesh_edges);
     std::vector<Box> listing;

@@ -44,7 +44,7 @@ TriangleMesh far_half(const TriangleMesh& mesh, const Ray& ray)
 template <class Weight>
 ScenePanel lit_panel(std::string title, const LitCells& lit, const Weight& weight, ViewSize size)
 {
-    Scene scene;
+    DrawnScene scene;
     const TriangleMesh shell = far_half(lit.mesh, lit.ray);
     add_mesh(scene, shell, {.name = "mesh", .color = srgb(0xB9C6D6)});
     add_mesh_edges(scene, shell, {.color = srgb(0x8FA0B4), .width = 0.8});

@@ -4,7 +4,8 @@
 
 namespace proxima {
 
-ScenePanel scene_panel(std::string title, Scene scene, const OrbitCamera& camera, ViewSize size)
+ScenePanel scene_panel(std::string title, DrawnScene scene, const OrbitCamera& camera,
+                       ViewSize size)
 {
     const OrbitCamera seen = framed(camera, positions_of(scene), size);
     return {std::move(title), std::move(scene), seen, size};
@@ -25,7 +26,7 @@ Color color_of(FacetOrigin origin)
     return srgb(0x57B57A);
 }
 
-void add_normals(Scene& scene, const MinkowskiSum& sum, const DrawnSurface& surface,
+void add_normals(DrawnScene& scene, const MinkowskiSum& sum, const DrawnSurface& surface,
                  std::span<const std::uint32_t> facets, double length, const ShapeStyle& style)
 {
     for (const std::uint32_t facet : facets) {
@@ -34,7 +35,7 @@ void add_normals(Scene& scene, const MinkowskiSum& sum, const DrawnSurface& surf
     }
 }
 
-Status add_polyhedron(Scene& scene, const ConvexPolyhedron& polyhedron, const Vec3& offset,
+Status add_polyhedron(DrawnScene& scene, const ConvexPolyhedron& polyhedron, const Vec3& offset,
                       const ShapeStyle& style, const EdgeStyle& edges, double ray_length)
 {
     auto surface = draw(polyhedron, ray_length);

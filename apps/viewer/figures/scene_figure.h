@@ -15,18 +15,18 @@ inline constexpr ViewSize one_of_some = {.width = 620, .height = 560};
 inline const EdgeStyle thin_edges = {.color = srgb(0x333333), .width = 1.6};
 
 /// The scene seen as a whole.
-[[nodiscard]] ScenePanel scene_panel(std::string title, Scene scene, const OrbitCamera& camera,
+[[nodiscard]] ScenePanel scene_panel(std::string title, DrawnScene scene, const OrbitCamera& camera,
                                      ViewSize size);
 
 /// Red A's, blue B's, violet both's, green swept.
 [[nodiscard]] Color color_of(FacetOrigin origin);
 
 /// The outward normals of these facets as arrows from their middles.
-void add_normals(Scene& scene, const MinkowskiSum& sum, const DrawnSurface& surface,
+void add_normals(DrawnScene& scene, const MinkowskiSum& sum, const DrawnSurface& surface,
                  std::span<const std::uint32_t> facets, double length, const ShapeStyle& style);
 
 /// The surface of a polyhedron with its edges.
-[[nodiscard]] Status add_polyhedron(Scene& scene, const ConvexPolyhedron& polyhedron,
+[[nodiscard]] Status add_polyhedron(DrawnScene& scene, const ConvexPolyhedron& polyhedron,
                                     const Vec3& offset, const ShapeStyle& style,
                                     const EdgeStyle& edges, double ray_length = 1.0);
 

@@ -18,7 +18,7 @@ constexpr double octahedron_size = 0.55; // the cube's half edge is 1
 const OrbitCamera sum_camera = {.azimuth = 0.55, .elevation = 0.42};
 
 /// A copy of B at each corner of A.
-Status add_copies(Scene& scene, const MinkowskiSum& sum, float opacity)
+Status add_copies(DrawnScene& scene, const MinkowskiSum& sum, float opacity)
 {
     for (const Vec3& corner : sum.a().points()) {
         const Status status = add_polyhedron(
@@ -36,7 +36,7 @@ Result<FigureContent> origin_figure(FacetOrigin origin, const char* words)
     if (!sum) return tl::unexpected(sum.error());
     const auto surface = draw(*sum);
     if (!surface) return tl::unexpected(surface.error());
-    Scene scene;
+    DrawnScene scene;
     if (Status status = add_copies(scene, *sum, 0.22F); !status)
         return tl::unexpected(status.error());
     const auto all = first_numbers(surface->polygon_count());
@@ -71,7 +71,7 @@ Result<FigureContent> figure_3_7(const Execution& /*context*/)
 {
     const auto sum = explained_sum();
     if (!sum) return tl::unexpected(sum.error());
-    Scene scene;
+    DrawnScene scene;
     Status status = add_polyhedron(scene, sum->a(), Vec3::Zero(),
                                    {.name = "A", .color = color_of(FacetOrigin::a)}, thin_edges);
     if (status) status = add_copies(scene, *sum, 1.0F);
@@ -108,7 +108,7 @@ Result<FigureContent> figure_3_11(const Execution& /*context*/)
     if (!sum) return tl::unexpected(sum.error());
     const auto surface = draw(*sum);
     if (!surface) return tl::unexpected(surface.error());
-    Scene scene;
+    DrawnScene scene;
     std::array<std::size_t, 4> counts = {};
     for (const FacetOrigin origin :
          {FacetOrigin::a, FacetOrigin::b, FacetOrigin::both, FacetOrigin::swept}) {

@@ -25,7 +25,7 @@ namespace proxima {
 /// A scene and who looks at it.
 struct ScenePanel {
     std::string title;
-    Scene scene;
+    DrawnScene scene;
     OrbitCamera camera;
     ViewSize size;
 };

@@ -21,7 +21,7 @@ Box cube_of(double half)
     return {Vec3::Constant(-half), Vec3::Constant(half)};
 }
 
-void add_triangle(Scene& scene, const Triangle& shown, const ShapeStyle& style)
+void add_triangle(DrawnScene& scene, const Triangle& shown, const ShapeStyle& style)
 {
     DrawnSurface surface;
     surface.positions.assign(shown.vertices.begin(), shown.vertices.end());
@@ -65,7 +65,7 @@ Result<FigureContent> figure_3_12(const Execution& /*context*/)
     FigureContent content;
     content.columns = 2;
     for (const double half : cube_halves) {
-        Scene scene;
+        DrawnScene scene;
         add_triangle(scene, summed_triangle, {.name = "A", .color = color_of(FacetOrigin::a)});
         for (const Vec3& corner : summed_triangle.vertices) {
             const Box cube = {corner - Vec3::Constant(half), corner + Vec3::Constant(half)};
@@ -92,7 +92,7 @@ Result<FigureContent> figure_3_13(const Execution& /*context*/)
     for (const MinkowskiSum* const sum : {&*large, &*small}) {
         const auto surface = draw(*sum);
         if (!surface) return tl::unexpected(surface.error());
-        Scene scene;
+        DrawnScene scene;
         for (std::uint32_t f = 0; f < sum->facet_count(); ++f) {
             add_polygons(scene, *surface, std::array{f},
                          {.name = "facet", .color = color_of(sum->facet(f).origin)});
@@ -129,7 +129,7 @@ Result<FigureContent> figure_3_15(const Execution& /*context*/)
     FigureContent content;
     std::string verdicts;
     for (const Case& shown : cases) {
-        Scene scene;
+        DrawnScene scene;
         add_triangle(scene, shown.triangle,
                      {.name = "triangle", .color = color_of(FacetOrigin::a)});
         add_box(scene, cube, {.name = "cube", .color = color_of(FacetOrigin::b), .opacity = 0.35F});

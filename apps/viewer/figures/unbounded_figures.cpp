@@ -175,7 +175,7 @@ Result<FigureContent> figure_4_8(const Execution& /*context*/)
         if (!region) return tl::unexpected(region.error());
         const auto cut = cut_rays(*region, shown.length);
         if (!cut) return tl::unexpected(cut.error());
-        Scene scene;
+        DrawnScene scene;
         Status status = add_polyhedron(
             scene, *cut, Vec3::Zero(),
             {.name = "region", .color = color_of(FacetOrigin::a), .opacity = 0.6F}, thin_edges);
@@ -214,7 +214,7 @@ Result<FigureContent> figure_4_9(const Execution& /*context*/)
         if (!direct) return tl::unexpected(direct.error());
         const auto surface = draw(sum->intermediate);
         if (!surface) return tl::unexpected(surface.error());
-        Scene scene;
+        DrawnScene scene;
         add_polygons(scene, *surface, sum->remaining,
                      {.name = "remaining", .color = srgb(0xC9D3E2)});
         add_polygons(scene, *surface, sum->obstructing,

@@ -52,7 +52,7 @@ Result<FigureContent> pyramid_figure(Feature feature, const char* words, const O
     if (!region) return tl::unexpected(region.error());
     const auto surface = draw(*region, length);
     if (!surface) return tl::unexpected(surface.error());
-    Scene scene;
+    DrawnScene scene;
     std::vector<TriangleId> marked;
     if (feature.kind == FeatureKind::face) marked.push_back(TriangleId{feature.id});
     add_part(scene, mesh, all_but(mesh, marked), {.name = "pyramid"});
@@ -95,7 +95,7 @@ Result<ScenePanel> all_regions(const TriangleMesh& mesh, const char* name, doubl
 {
     const auto topology = build_topology(mesh);
     if (!topology) return tl::unexpected(topology.error());
-    Scene scene;
+    DrawnScene scene;
     const auto add = [&](Feature feature) -> Status {
         const auto region = voronoi_region_of(mesh, *topology, feature);
         if (!region) return tl::unexpected(region.error());

@@ -53,7 +53,7 @@ Color class_color(CellClass type)
     return srgb(0x777777);
 }
 
-void add_leaf_edges(Scene& scene, const Octree& octree, std::span<const LeafBox> leaves,
+void add_leaf_edges(DrawnScene& scene, const Octree& octree, std::span<const LeafBox> leaves,
                     const EdgeStyle& style)
 {
     std::vector<LeafEdge> edges;
@@ -94,7 +94,7 @@ Box slice_of(const Octree& octree, const LeafBox& leaf, const AxisPlane& plane)
     return box;
 }
 
-void add_slices(Scene& scene, std::span<const Box> slices, int axis, const ShapeStyle& style)
+void add_slices(DrawnScene& scene, std::span<const Box> slices, int axis, const ShapeStyle& style)
 {
     SceneSurface surface;
     surface.name = style.name;

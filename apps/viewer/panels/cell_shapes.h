@@ -17,7 +17,7 @@ namespace proxima {
 [[nodiscard]] Color class_color(CellClass type);
 
 /// The edges of leaves, each once where leaves of one size share it. \pre of the octree
-void add_leaf_edges(Scene& scene, const Octree& octree, std::span<const LeafBox> leaves,
+void add_leaf_edges(DrawnScene& scene, const Octree& octree, std::span<const LeafBox> leaves,
                     const EdgeStyle& style);
 
 /// A plane across an axis.
@@ -31,6 +31,6 @@ struct AxisPlane {
 [[nodiscard]] Box slice_of(const Octree& octree, const LeafBox& leaf, const AxisPlane& plane);
 
 /// A flat rectangle: a box without extent along one axis.
-void add_slices(Scene& scene, std::span<const Box> slices, int axis, const ShapeStyle& style);
+void add_slices(DrawnScene& scene, std::span<const Box> slices, int axis, const ShapeStyle& style);
 
 } // namespace proxima

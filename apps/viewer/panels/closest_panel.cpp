@@ -29,12 +29,13 @@ struct ClosestSettings {
     PlacedPoint cursor;
 };
 
-std::shared_ptr<const Scene> closest_scene(const ViewModel& model, const ClosestSettings& settings,
-                                           const ClosestFeature& closest,
-                                           std::span<const TriangleId> patch,
-                                           const std::optional<ProximityLeaf>& leaf)
+std::shared_ptr<const DrawnScene> closest_scene(const ViewModel& model,
+                                                const ClosestSettings& settings,
+                                                const ClosestFeature& closest,
+                                                std::span<const TriangleId> patch,
+                                                const std::optional<ProximityLeaf>& leaf)
 {
-    auto scene = std::make_shared<Scene>();
+    auto scene = std::make_shared<DrawnScene>();
     if (settings.listed && leaf) {
         add_part(*scene, model.mesh, leaf->listed,
                  {.name = "listed", .color = srgb(listed_color), .lift = 2e-4});

@@ -115,7 +115,7 @@ public:
                 return Flow::proceed;
             });
             const auto visible = visible_triangles(model->rays, *volume, settings.mode);
-            auto scene = std::make_shared<Scene>();
+            auto scene = std::make_shared<DrawnScene>();
             add_part(*scene, model->mesh, visible,
                      {.name = "visible", .color = srgb(visible_color), .lift = 1.5e-4});
             if (settings.cells) {

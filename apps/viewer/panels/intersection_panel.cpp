@@ -104,7 +104,7 @@ public:
             break;
         }
         if (!apart) return {};
-        auto scene = std::make_shared<Scene>();
+        auto scene = std::make_shared<DrawnScene>();
         scene->lines.push_back(
             {"shortest path", {{apart->point_a, apart->point_b}}, srgb(path_color), 3.0});
         picture.layers.push_back({std::move(scene)});
@@ -219,8 +219,8 @@ public:
             picture.focus = box_of_contact(contour, box_of_both(*a, *b, pose));
             picture.layers = {{.scene = a->flat, .color = srgb(a_color)},
                               {.scene = b->flat, .pose = pose, .color = srgb(b_color)}};
-            auto of_a = std::make_shared<Scene>();
-            auto of_b = std::make_shared<Scene>();
+            auto of_a = std::make_shared<DrawnScene>();
+            auto of_b = std::make_shared<DrawnScene>();
             const ShapeStyle yellow = {
                 .name = "triangles in leaves that meet", .color = srgb(part_color), .lift = 2e-4};
             add_part(*of_a, a->mesh, candidates.a, yellow);

@@ -76,12 +76,12 @@ Result<MinkowskiSum> make_sum(const SumChoice& bodies, const ViewModel& model,
 
 const EdgeStyle sum_edges = {.name = "edges", .color = srgb(0x333333), .width = 1.6};
 
-Result<std::shared_ptr<const Scene>> facets_scene(const MinkowskiSum& sum,
-                                                  const SumSettings& settings)
+Result<std::shared_ptr<const DrawnScene>> facets_scene(const MinkowskiSum& sum,
+                                                       const SumSettings& settings)
 {
     const auto surface = draw(sum);
     if (!surface) return tl::unexpected(surface.error());
-    auto scene = std::make_shared<Scene>();
+    auto scene = std::make_shared<DrawnScene>();
     for (const auto& [origin, name] : {std::pair{FacetOrigin::a, "facets of A"},
                                        {FacetOrigin::b, "facets of B"},
                                        {FacetOrigin::both, "facets of both"},
@@ -95,7 +95,7 @@ Result<std::shared_ptr<const Scene>> facets_scene(const MinkowskiSum& sum,
                         {.name = "normal", .color = color_of(origin)});
         }
     }
-    return std::shared_ptr<const Scene>(std::move(scene));
+    return std::shared_ptr<const DrawnScene>(std::move(scene));
 }
 
 class MinkowskiPanel final : public Panel {
@@ -162,7 +162,7 @@ public:
                 picture.layers.front().opacity = 0.55F;
             }
             if (settings.body) {
-                auto scene = std::make_shared<Scene>();
+                auto scene = std::make_shared<DrawnScene>();
                 if (Status status =
                         add_polyhedron(*scene, sum.a(), Vec3::Zero(),
                                        {.name = "A", .color = srgb(0xE9E1D2)}, sum_edges);
@@ -197,10 +197,10 @@ public:
 
 private:
     /// B at every corner of A, as large as it is pushed.
-    static Result<std::shared_ptr<const Scene>> copies_scene(const MinkowskiSum& sum)
+    static Result<std::shared_ptr<const DrawnScene>> copies_scene(const MinkowskiSum& sum)
     {
         constexpr std::size_t most = 60;
-        auto scene = std::make_shared<Scene>();
+        auto scene = std::make_shared<DrawnScene>();
         auto body = draw(sum.b());
         if (!body) return tl::unexpected(body.error());
         for (Vec3& position : body->positions) position *= sum.scale();
@@ -214,7 +214,7 @@ private:
                          {.name = "copy of B", .color = color_of(FacetOrigin::b)});
             add_polygon_edges(*scene, copy, all, sum_edges);
         }
-        return std::shared_ptr<const Scene>(std::move(scene));
+        return std::shared_ptr<const DrawnScene>(std::move(scene));
     }
 
     SumSettings settings_;

@@ -44,7 +44,7 @@ bool are_turned(const ViewModel& model, EdgeId edge)
 }
 
 /// One of the lines for each colour; none without an edge of its kind.
-void add_flaws(Scene& scene, const ViewModel& model)
+void add_flaws(DrawnScene& scene, const ViewModel& model)
 {
     std::array<SceneLines, flaw_colors.size()> lines;
     for (std::size_t i = 0; i < lines.size(); ++i) {
@@ -76,7 +76,7 @@ std::string words_for(FindingKind kind)
 }
 
 /// The flaws that are drawn.
-Legend legend_of(const Scene& flaws)
+Legend legend_of(const DrawnScene& flaws)
 {
     Legend legend;
     for (const FlawColor& flaw : flaw_colors) {
@@ -96,7 +96,7 @@ std::string count_of(const MeshFinding& finding)
 }
 
 /// All edges, flat ones too.
-void add_all_edges(Scene& scene, const ViewModel& model)
+void add_all_edges(DrawnScene& scene, const ViewModel& model)
 {
     SceneLines lines{"edges", {}, srgb(0x4A4E57), 1.0, 0.55F};
     lines.segments.reserve(model.topology.edge_count());
@@ -109,13 +109,13 @@ void add_all_edges(Scene& scene, const ViewModel& model)
 
 struct Reports {
     std::vector<PanelFact> facts;
-    std::shared_ptr<const Scene> flaws;
+    std::shared_ptr<const DrawnScene> flaws;
 };
 
 Result<Reports> report(const ViewModels& models, const Execution& context)
 {
     Reports reports;
-    auto flaws = std::make_shared<Scene>();
+    auto flaws = std::make_shared<DrawnScene>();
     for (const auto& model : models) {
         auto& facts = reports.facts;
         // A file's name without its folders, which are too long for a line.
@@ -162,7 +162,7 @@ public:
             picture.layers =
                 model_layers(models, settings.smooth ? Smoothing::smooth : Smoothing::flat);
             if (settings.edges) {
-                auto scene = std::make_shared<Scene>();
+                auto scene = std::make_shared<DrawnScene>();
                 for (const auto& model : models) add_all_edges(*scene, *model);
                 picture.layers.push_back({std::move(scene)});
             }

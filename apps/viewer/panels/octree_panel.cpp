@@ -145,10 +145,10 @@ Legend legend_of(const OctreePanelSettings& settings, const Groups& groups,
     return legend;
 }
 
-std::shared_ptr<const Scene> cells_scene(const OctreePanelSettings& settings,
-                                         const BuiltOctree& built, const Groups& groups)
+std::shared_ptr<const DrawnScene> cells_scene(const OctreePanelSettings& settings,
+                                              const BuiltOctree& built, const Groups& groups)
 {
-    auto scene = std::make_shared<Scene>();
+    auto scene = std::make_shared<DrawnScene>();
     for (const auto& [group, leaves] : groups) {
         add_leaf_edges(*scene, built.octree, leaves,
                        {.name = "cells",
@@ -160,10 +160,10 @@ std::shared_ptr<const Scene> cells_scene(const OctreePanelSettings& settings,
 }
 
 /// What the cut plane goes through, filled.
-std::shared_ptr<const Scene> slice_scene(const OctreePanelSettings& settings,
-                                         const BuiltOctree& built, const AxisPlane& plane)
+std::shared_ptr<const DrawnScene> slice_scene(const OctreePanelSettings& settings,
+                                              const BuiltOctree& built, const AxisPlane& plane)
 {
-    auto scene = std::make_shared<Scene>();
+    auto scene = std::make_shared<DrawnScene>();
     std::map<int, std::vector<Box>> slices;
     std::vector<Box> all;
     for (const LeafBox& leaf : built.leaves) {

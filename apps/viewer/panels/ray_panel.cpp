@@ -25,11 +25,11 @@ struct RaySettings {
     PlacedPoint towards;
 };
 
-std::shared_ptr<const Scene> ray_scene(const RaySettings& settings, const Octree& octree,
-                                       const Ray& ray, std::span<const CellOnRay> cells,
-                                       std::span<const RayHit> hits, double size)
+std::shared_ptr<const DrawnScene> ray_scene(const RaySettings& settings, const Octree& octree,
+                                            const Ray& ray, std::span<const CellOnRay> cells,
+                                            std::span<const RayHit> hits, double size)
 {
-    auto scene = std::make_shared<Scene>();
+    auto scene = std::make_shared<DrawnScene>();
     std::vector<Box> boxes;
     for (const CellOnRay& at : cells) {
         const double weight =

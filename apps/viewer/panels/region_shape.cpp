@@ -123,7 +123,7 @@ Result<RegionShape> region_shape(const ViewModel& model, const MeshIndex& with, 
     return shape;
 }
 
-void add_region(Scene& scene, const RegionShape& shape, const Color& color)
+void add_region(DrawnScene& scene, const RegionShape& shape, const Color& color)
 {
     // What goes on fades towards where it is cut off: the first half is one band.
     struct Band {

@@ -51,7 +51,7 @@ struct RegionShape {
                                                Feature feature, double length);
 
 /// The surfaces "region" and the lines "region's edges".
-void add_region(Scene& scene, const RegionShape& shape, const Color& color);
+void add_region(DrawnScene& scene, const RegionShape& shape, const Color& color);
 
 /// "drawn", or what is to be known of it: that it is flat, behind the surface, or empty.
 [[nodiscard]] std::string words_for_region(const RegionShape& shape);

@@ -33,7 +33,7 @@ std::optional<ProximityLeaf> leaf_at(const MeshIndex& index, const Vec3& p)
     return leaf;
 }
 
-void add_leaf(Scene& scene, const ProximityLeaf& leaf)
+void add_leaf(DrawnScene& scene, const ProximityLeaf& leaf)
 {
     const Color green = srgb(figure_colors::green);
     add_box(scene, leaf.box, {.name = "leaf", .color = green, .opacity = 0.2F});
@@ -45,7 +45,7 @@ double mark_radius(const ViewModel& model)
     return std::min(0.012 * model.box.extent().norm(), 0.5 * model.edge);
 }
 
-void add_cursor(Scene& scene, const ViewModel& model, const Vec3& at)
+void add_cursor(DrawnScene& scene, const ViewModel& model, const Vec3& at)
 {
     add_ball(scene, at, mark_radius(model), {.name = "cursor", .color = srgb(figure_colors::ink)});
 }
@@ -56,8 +56,8 @@ std::string words_for(const Feature& feature)
     return concat(kinds[static_cast<std::size_t>(feature.kind)], feature.id);
 }
 
-void add_feature(Scene& scene, const ViewModel& model, const Feature& feature, double ball_radius,
-                 const Color& color)
+void add_feature(DrawnScene& scene, const ViewModel& model, const Feature& feature,
+                 double ball_radius, const Color& color)
 {
     switch (feature.kind) {
     case FeatureKind::vertex:

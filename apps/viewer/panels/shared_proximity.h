@@ -31,19 +31,19 @@ struct ProximityLeaf {
 [[nodiscard]] std::optional<ProximityLeaf> leaf_at(const MeshIndex& index, const Vec3& p);
 
 /// The leaf as green glass.
-void add_leaf(Scene& scene, const ProximityLeaf& leaf);
+void add_leaf(DrawnScene& scene, const ProximityLeaf& leaf);
 
 /// Of balls that mark points of a model: they hide no triangles.
 [[nodiscard]] double mark_radius(const ViewModel& model);
 
 /// The point that is asked about, as a ball.
-void add_cursor(Scene& scene, const ViewModel& model, const Vec3& at);
+void add_cursor(DrawnScene& scene, const ViewModel& model, const Vec3& at);
 
 /// "face 17".
 [[nodiscard]] std::string words_for(const Feature& feature);
 
 /// The feature in a colour, over the mesh: a triangle, a line or a ball.
-void add_feature(Scene& scene, const ViewModel& model, const Feature& feature, double ball_radius,
-                 const Color& color);
+void add_feature(DrawnScene& scene, const ViewModel& model, const Feature& feature,
+                 double ball_radius, const Color& color);
 
 } // namespace proxima

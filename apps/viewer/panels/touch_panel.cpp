@@ -92,7 +92,7 @@ Vec3 target_position(const TouchPanelSettings& settings, const ViewModel& model)
 
 void add_moment(PanelPicture& picture, const TouchMoment& moment, double size)
 {
-    auto scene = std::make_shared<Scene>();
+    auto scene = std::make_shared<DrawnScene>();
     constexpr double most_force = 3.3; // N, as long as half of the model
     add_ball(*scene, moment.device, 0.006 * size,
              {.name = "device", .color = srgb(figure_colors::blue), .lift = 0.2});

@@ -67,7 +67,7 @@ constexpr float glass = 0.3F; ///< the model's opacity where its region lies beh
 void show_region(PanelPicture& picture, const ViewModel& model, const MeshIndex& with,
                  const VoronoiSettings& settings, Feature feature)
 {
-    auto scene = std::make_shared<Scene>();
+    auto scene = std::make_shared<DrawnScene>();
     add_feature(*scene, model, feature, mark_radius(model), srgb(figure_colors::red));
     picture.legend.entries.push_back({figure_colors::red, "feature"});
     if (settings.region) {
@@ -96,7 +96,7 @@ void show_leaf(PanelPicture& picture, const ViewModel& model, const MeshIndex& w
                const Vec3& cursor)
 {
     const auto leaf = leaf_at(with, cursor);
-    auto scene = std::make_shared<Scene>();
+    auto scene = std::make_shared<DrawnScene>();
     add_cursor(*scene, model, cursor);
     if (leaf) {
         add_part(*scene, model.mesh, leaf->listed,

@@ -1,0 +1,292 @@
+// A mesh in thousands of poses: rays, closest points and pairs in contact, ours beside Embree's instances and
+// FCL's DynamicAABBTreeCollisionManager. Passes in turn, medians, processor time of one thread.
+//
+//     scene_bench [--instances N] [--spread S] [--rays N] [--rounds N] [--seed N] [--mesh NAME]...
+//
+// Instances are turned at random; their origins are anywhere in a cube whose edge is S times the mesh's
+// longest extent times the cube root of N. Rays begin anywhere in it and go anywhere. Every hit and pair is
+// compared with ours, and a hash of ours is printed.
+#include "bench_program.h"
+#include "proxima/mesh_io.h"
+#include "proxima/sample_meshes.h"
+#include "proxima/scene.h"
+#include "scene_peers.h"
+
+#include <CLI/CLI.hpp>
+#include <Eigen/Geometry>
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <functional>
+#include <random>
+
+namespace proxima::bench {
+namespace {
+
+struct BenchOptions : CommonOptions {
+    std::size_t instances = 10'000;
+    double spread = 2;
+    std::size_t rays = 100'000;
+};
+
+class ProximaScenePeer final : public ScenePeer {
+public:
+    explicit ProximaScenePeer(const TriangleMesh& mesh)
+        : index_(build_mesh_index(mesh, {.execution = one_thread}).value())
+    {}
+    [[nodiscard]] std::string name() const override { return "proxima"; }
+    void build(std::span<const RigidTransform> poses) override
+    {
+        std::vector<Instance> instances(poses.size());
+        for (std::size_t i = 0; i < poses.size(); ++i) instances[i].pose = poses[i];
+        scene_ = build_scene({&index_, 1}, instances, {one_thread}).value();
+    }
+    void move(std::span<const RigidTransform> poses) override
+    {
+        scene_ = move_instances(scene_, poses, {one_thread}).value();
+    }
+    [[nodiscard]] bool casts_rays() const override { return true; }
+    void prepare(std::span<const Ray> rays) override
+    {
+        rays_.assign(rays.begin(), rays.end());
+        hits_.assign(rays.size(), std::nullopt);
+    }
+    void cast_rays() override
+    {
+        for (std::size_t i = 0; i < rays_.size(); ++i) hits_[i] = closest_hit(scene_, rays_[i]);
+    }
+    [[nodiscard]] SceneRayAnswer answer(std::size_t ray) const override
+    {
+        if (!hits_[ray]) return {};
+        return {to_index(hits_[ray]->instance), to_index(hits_[ray]->hit.triangle),
+                hits_[ray]->hit.t};
+    }
+    [[nodiscard]] bool finds_pairs() const override { return true; }
+    ScenePairs find_pairs() override
+    {
+        ScenePairs pairs;
+        const auto found = pairs_in_contact(scene_, {.execution = one_thread}).value();
+        for (const InstancePair& pair : found)
+            pairs.emplace_back(to_index(pair.a), to_index(pair.b));
+        return pairs;
+    }
+    std::size_t count_overlaps() override
+    {
+        return overlapping_bounds(scene_, 0, {.execution = one_thread}).value().size();
+    }
+    [[nodiscard]] const Scene& scene() const { return scene_; }
+
+private:
+    static constexpr Execution one_thread = {.threads = {1}};
+
+    MeshIndex index_;
+    Scene scene_;
+    std::vector<Ray> rays_;
+    std::vector<std::optional<SceneHit>> hits_;
+};
+
+/// Times of the passes of all peers, in turn.
+class Table {
+public:
+    explicit Table(std::span<const std::unique_ptr<ScenePeer>> peers) : peers_(peers) {}
+
+    /// Prints medians, in `unit` of a second each, of those that can.
+    void row(const char* what, double per_second, const char* unit, int rounds,
+             const std::function<bool(const ScenePeer&)>& can,
+             const std::function<void(ScenePeer&)>& pass) const
+    {
+        std::vector<std::vector<double>> seconds(peers_.size());
+        for (int round = 0; round < rounds; ++round) {
+            for (std::size_t turn = 0; turn < peers_.size(); ++turn) {
+                const std::size_t i = (turn + static_cast<std::size_t>(round)) % peers_.size();
+                if (!can(*peers_[i])) continue;
+                const double start = processor_seconds();
+                pass(*peers_[i]);
+                seconds[i].push_back(processor_seconds() - start);
+            }
+        }
+        std::printf("  %-22s", what);
+        for (std::size_t i = 0; i < peers_.size(); ++i) {
+            if (seconds[i].empty()) continue;
+            std::printf("  %s %.4g %s", peers_[i]->name().c_str(), per_second * median(seconds[i]),
+                        unit);
+            if (i > 0) std::printf(" (x%.2f)", median(seconds[i]) / median(seconds[0]));
+        }
+        std::puts("");
+    }
+
+private:
+    std::span<const std::unique_ptr<ScenePeer>> peers_;
+};
+
+struct Workload {
+    std::vector<RigidTransform> poses;
+    std::vector<RigidTransform> moved; ///< each by a hundredth of the mesh's extent
+    std::vector<Ray> rays;
+    std::vector<Vec3> points;
+};
+
+Workload make_workload(const TriangleMesh& mesh, const BenchOptions& options)
+{
+    std::mt19937_64 random(options.seed);
+    const auto unit = [&] { return std::uniform_real_distribution<double>(-1, 1)(random); };
+    const auto vector = [&] {
+        const double x = unit();
+        const double y = unit();
+        return Vec3(x, y, unit());
+    };
+    const Box box = bounding_box(mesh);
+    const double extent = box.extent().maxCoeff();
+    const double half =
+        0.5 * options.spread * extent * std::cbrt(static_cast<double>(options.instances));
+    Workload work;
+    for (std::size_t i = 0; i < options.instances; ++i) {
+        RigidTransform pose;
+        const Eigen::Quaterniond q(unit(), unit(), unit(), unit());
+        pose.rotation = q.normalized().toRotationMatrix();
+        pose.translation = half * vector() - pose.rotation * box.center();
+        work.poses.push_back(pose);
+        pose.translation += 0.01 * extent * vector();
+        work.moved.push_back(pose);
+    }
+    for (std::size_t i = 0; i < options.rays; ++i) {
+        work.rays.push_back({.origin = half * vector(), .direction = vector()});
+        work.points.push_back(half * vector());
+    }
+    return work;
+}
+
+std::uint64_t mixed(std::uint64_t hash, std::uint64_t value)
+{
+    return (hash ^ value) * 0x9E3779B97F4A7C15U;
+}
+
+void compare(std::span<const std::unique_ptr<ScenePeer>> peers, std::size_t rays)
+{
+    std::uint64_t hash = 0;
+    std::size_t hits = 0;
+    for (std::size_t i = 0; i < rays; ++i) {
+        const SceneRayAnswer own = peers[0]->answer(i);
+        hits += own.instance != SceneRayAnswer::none ? 1U : 0U;
+        hash = mixed(hash, own.instance);
+        hash = mixed(hash, own.triangle);
+        hash = mixed(hash, std::bit_cast<std::uint64_t>(own.t));
+    }
+    ScenePairs pairs = peers[0]->find_pairs();
+    for (const auto& [a, b] : pairs) hash = mixed(hash, std::uint64_t{a} << 32U | b);
+    std::printf("  hits %zu of %zu, pairs in contact %zu, boxes that overlap %zu, hash %016llx\n",
+                hits, rays, pairs.size(), peers[0]->count_overlaps(),
+                static_cast<unsigned long long>(hash));
+    for (const auto& peer : peers.subspan(1)) {
+        if (peer->casts_rays()) {
+            std::size_t different = 0;
+            for (std::size_t i = 0; i < rays; ++i) {
+                const SceneRayAnswer own = peers[0]->answer(i);
+                const SceneRayAnswer other = peer->answer(i);
+                constexpr double float_noise = 1e-4;
+                const bool same = own.instance == other.instance &&
+                                  (own.triangle == other.triangle ||
+                                   std::abs(own.t - other.t) <= float_noise * std::abs(own.t));
+                different += same ? 0U : 1U;
+            }
+            std::printf("  %s: %zu rays have another answer\n", peer->name().c_str(), different);
+        }
+        if (!peer->finds_pairs()) continue;
+        ScenePairs others = peer->find_pairs();
+        for (auto& [a, b] : others)
+            if (a > b) std::swap(a, b);
+        std::ranges::sort(others);
+        ScenePairs different;
+        std::ranges::set_symmetric_difference(pairs, others, std::back_inserter(different));
+        std::printf("  %s: %zu pairs, %zu in one list alone; %zu boxes overlap\n",
+                    peer->name().c_str(), others.size(), different.size(), peer->count_overlaps());
+    }
+}
+
+void race(const std::string& name, const BenchOptions& options)
+{
+    const auto mesh = is_sample_mesh_name(name) ? sample_mesh(name) : read_mesh(name);
+    if (!mesh) throw std::runtime_error(describe(mesh.error()));
+    const Workload work = make_workload(*mesh, options);
+    std::vector<std::unique_ptr<ScenePeer>> peers;
+    auto own = std::make_unique<ProximaScenePeer>(*mesh);
+    const ProximaScenePeer& proxima = *own;
+    peers.push_back(std::move(own));
+#ifdef PROXIMA_BENCH_EMBREE
+    peers.push_back(make_embree_scene_peer(*mesh));
+#endif
+#ifdef PROXIMA_BENCH_FCL
+    peers.push_back(make_fcl_scene_peer(*mesh));
+#endif
+    std::printf("%s: %zu triangles, %zu instances, spread %g, seed %llu\n", name.c_str(),
+                mesh->triangle_count(), options.instances, options.spread,
+                static_cast<unsigned long long>(options.seed));
+    const Table table(peers);
+    const auto all = [](const ScenePeer&) { return true; };
+    const auto rays = [](const ScenePeer& peer) { return peer.casts_rays(); };
+    const auto pairs = [](const ScenePeer& peer) { return peer.finds_pairs(); };
+    table.row("building", 1e3, "ms", options.rounds, all,
+              [&](ScenePeer& peer) { peer.build(work.poses); });
+    table.row("moving all", 1e3, "ms", options.rounds, all,
+              [&](ScenePeer& peer) { peer.move(work.moved); });
+    for (const auto& peer : peers) {
+        peer->build(work.poses);
+        peer->prepare(work.rays);
+    }
+    const double per_ray = 1e6 / static_cast<double>(work.rays.size());
+    // Embree shortens a ray that has hit: it has to be prepared again.
+    std::vector<std::vector<double>> seconds(peers.size());
+    for (int round = 0; round < options.rounds; ++round) {
+        for (std::size_t i = 0; i < peers.size(); ++i) {
+            if (!rays(*peers[i])) continue;
+            peers[i]->prepare(work.rays);
+            const double start = processor_seconds();
+            peers[i]->cast_rays();
+            seconds[i].push_back(processor_seconds() - start);
+        }
+    }
+    std::printf("  %-22s", "closest hit of a ray");
+    for (std::size_t i = 0; i < peers.size(); ++i) {
+        if (seconds[i].empty()) continue;
+        std::printf("  %s %.4g us", peers[i]->name().c_str(), per_ray * median(seconds[i]));
+        if (i > 0) std::printf(" (x%.2f)", median(seconds[i]) / median(seconds[0]));
+    }
+    std::puts("");
+    table.row("all pairs in contact", 1e3, "ms", options.rounds, pairs,
+              [](ScenePeer& peer) { (void)peer.find_pairs(); });
+    table.row("boxes that overlap", 1e3, "ms", options.rounds, pairs,
+              [](ScenePeer& peer) { (void)peer.count_overlaps(); });
+    std::vector<double> nearest;
+    double sum = 0;
+    for (int round = 0; round < options.rounds; ++round) {
+        const double start = processor_seconds();
+        for (const Vec3& p : work.points) sum += closest_feature(proxima.scene(), p)->distance;
+        nearest.push_back(processor_seconds() - start);
+    }
+    std::printf("  %-22s  proxima %.4g us\n", "closest feature", per_ray * median(nearest));
+    compare(peers, work.rays.size());
+    if (!(sum > 0)) std::puts("  no point is off the surfaces");
+}
+
+} // namespace
+} // namespace proxima::bench
+
+int main(int argc, char** argv)
+{
+    proxima::bench::BenchOptions options;
+    return proxima::bench::run_program(
+        argc, argv, "Scenes of placed meshes beside Embree's and FCL's",
+        [&](CLI::App& app) {
+            proxima::bench::add_common_options(app, options);
+            app.add_option("--instances", options.instances, "How many")
+                ->check(CLI::Range(1, 2'000'000));
+            app.add_option("--spread", options.spread, "How far apart")->check(CLI::PositiveNumber);
+            app.add_option("--rays", options.rays, "How many")->check(CLI::Range(1, 10'000'000));
+        },
+        [&] {
+            for (const std::string& name : proxima::bench::meshes_of(options))
+                proxima::bench::race(name, options);
+            return 0;
+        });
+}

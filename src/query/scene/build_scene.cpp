@@ -1,0 +1,320 @@
+#include "base/check.h"
+#include "base/memory_budget.h"
+#include "base/parallel.h"
+#include "base/progress.h"
+#include "base/text.h"
+#include "index/refit_tree.h"
+#include "proxima/scene.h"
+#include "query/scene/instance_box.h"
+#include "query/scene/scene_parts.h"
+
+#include <algorithm>
+#include <atomic>
+#include <utility>
+
+namespace proxima {
+
+namespace {
+
+constexpr std::size_t instances_per_task = 1024;
+constexpr std::uint64_t scene_bytes_each = 700;
+
+/// Why a pose cannot be one of an instance; null where it can.
+const char* pose_problem(const RigidTransform& pose) noexcept
+{
+    const Mat3& r = pose.rotation;
+    if (!r.allFinite() || !pose.translation.allFinite())
+        return "its pose has a number that is not finite";
+    if (!((r.transpose() * r - Mat3::Identity()).norm() <= rigid_tolerance))
+        return "its pose is not rigid; make it by make_rigid_transform";
+    if (r.determinant() < 0) return "its pose mirrors; give a rotation";
+    return nullptr;
+}
+
+/// Where instances are: boxes by instance, empty for empty shapes.
+class PlacedBoxes {
+public:
+    explicit PlacedBoxes(std::size_t count) : boxes_(count) {}
+
+    /// place(i) is the i-th instance. Errors: invalid_argument naming the first one that is wrong,
+    /// cancelled.
+    template <class InstanceAt>
+    Status place(const std::vector<InstancedShape>& shapes, const InstanceAt& instance_at,
+                 const Execution& execution)
+    {
+        begin_stage(execution.progress, "placing instances", boxes_.size());
+        std::atomic<std::size_t> wrong = boxes_.size();
+        parallel_chunks(boxes_.size(), instances_per_task, execution.threads,
+                        [&](std::size_t first, std::size_t end) {
+                            if (is_cancelled(execution.progress)) return;
+                            for (std::size_t i = first; i < end; ++i) {
+                                if (place_one(shapes, instance_at(i), boxes_[i]) == nullptr)
+                                    continue;
+                                std::size_t now = wrong;
+                                while (i < now && !wrong.compare_exchange_weak(now, i)) {
+                                }
+                                break;
+                            }
+                            advance_stage(execution.progress, end - first);
+                        });
+        if (is_cancelled(execution.progress)) return cancelled("placing instances");
+        if (wrong == boxes_.size()) return {};
+        return fail(ErrorCode::invalid_argument,
+                    place_one(shapes, instance_at(wrong), boxes_[wrong]),
+                    concat("instance ", wrong.load()));
+    }
+
+    [[nodiscard]] const std::vector<Box>& boxes() const noexcept { return boxes_; }
+
+private:
+    static const char* place_one(const std::vector<InstancedShape>& shapes,
+                                 const Instance& instance, Box& box) noexcept
+    {
+        if (instance.shape >= shapes.size()) return "its shape is not one of the scene's indexes";
+        if (const char* const problem = pose_problem(instance.pose); problem != nullptr)
+            return problem;
+        const InstancedShape& shape = shapes[instance.shape];
+        if (shape.boxes.empty()) return nullptr;
+        box = instance_box(shape, instance.pose);
+        const bool fits = (box.lower.array() >= -max_scene_coordinate).all() &&
+                          (box.upper.array() <= max_scene_coordinate).all() &&
+                          pose_fits(instance.pose) && shape.reach <= max_scene_coordinate;
+        return fits ? nullptr : "it reaches beyond 2^500: scale the models or move them nearer";
+    }
+    static bool pose_fits(const RigidTransform& pose) noexcept
+    {
+        return pose.translation.cwiseAbs().maxCoeff() <= max_scene_coordinate;
+    }
+
+    std::vector<Box> boxes_;
+};
+
+/// The diagonals of boxes that are not empty, as triangles of two corners, drawn out by the tree's margin. One
+/// of its units is at most the extent.
+TriangleMesh diagonals_of(std::span<const Box> boxes)
+{
+    std::vector<Vec3> positions;
+    std::vector<TriangleCorners> triangles;
+    positions.reserve(2 * boxes.size());
+    triangles.reserve(boxes.size());
+    Box all;
+    for (const Box& box : boxes) {
+        all.extend(box.lower);
+        all.extend(box.upper);
+    }
+    const Vec3 margin = Vec3::Constant(scene_tree_margin * all.extent().maxCoeff());
+    for (const Box& box : boxes) {
+        const auto lower = static_cast<std::uint32_t>(positions.size());
+        positions.push_back(box.lower - margin);
+        positions.push_back(box.upper + margin);
+        triangles.push_back({lower, lower + 1, lower + 1});
+    }
+    return make_triangle_mesh(std::move(positions), std::move(triangles)).value();
+}
+
+void set_box(SceneParts& parts, std::size_t row, const Box& box) noexcept
+{
+    parts.rows[row].box = box;
+    if (box.empty()) return;
+    parts.largest_extent = std::max(parts.largest_extent, box.extent().norm());
+    parts.reach =
+        std::max({parts.reach, box.lower.cwiseAbs().maxCoeff(), box.upper.cwiseAbs().maxCoeff()});
+}
+
+Status check_scene_budget(std::size_t count, const Execution& execution)
+{
+    return check_budget(execution.budget, scene_bytes_each * count, "the scene",
+                        "take fewer instances or raise the budget");
+}
+
+} // namespace
+
+RigidTransform instance_frame(const RigidTransform& pose) noexcept
+{
+    RigidTransform frame;
+    const Mat3& r = pose.rotation;
+    const Vec3& t = pose.translation;
+    for (int i = 0; i < 3; ++i) {
+        for (int j = 0; j < 3; ++j) frame.rotation(i, j) = r(j, i);
+        frame.translation[i] = -((r(0, i) * t[0] + r(1, i) * t[1]) + r(2, i) * t[2]);
+    }
+    return frame;
+}
+
+RigidTransform relative_pose(const RigidTransform& a, const RigidTransform& b) noexcept
+{
+    RigidTransform pose;
+    const auto turned_back = [&](const double* v, int i) {
+        return (a.rotation(0, i) * v[0] + a.rotation(1, i) * v[1]) + a.rotation(2, i) * v[2];
+    };
+    const Vec3 between(b.translation[0] - a.translation[0], b.translation[1] - a.translation[1],
+                       b.translation[2] - a.translation[2]);
+    for (int i = 0; i < 3; ++i) {
+        for (int j = 0; j < 3; ++j) {
+            const Vec3 column(b.rotation(0, j), b.rotation(1, j), b.rotation(2, j));
+            pose.rotation(i, j) = turned_back(column.data(), i);
+        }
+        pose.translation[i] = turned_back(between.data(), i);
+    }
+    return pose;
+}
+
+Ray to_instance(const RigidTransform& pose, const Ray& ray) noexcept
+{
+    RigidTransform frame = instance_frame(pose);
+    Ray moved = ray;
+    moved.origin = frame(ray.origin);
+    frame.translation.setZero();
+    moved.direction = frame(ray.direction);
+    return moved;
+}
+
+ViewPlane to_instance(const RigidTransform& pose, const ViewPlane& plane) noexcept
+{
+    RigidTransform frame = instance_frame(pose);
+    frame.translation.setZero();
+    const Vec3& n = plane.normal;
+    const Vec3& t = pose.translation;
+    return {frame(n), ((n[0] * t[0] + n[1] * t[1]) + n[2] * t[2]) + plane.offset};
+}
+
+Scene::Scene()
+{
+    auto parts = std::make_shared<SceneParts>();
+    parts->shapes = std::make_shared<const std::vector<InstancedShape>>();
+    parts->row_of = std::make_shared<const std::vector<std::uint32_t>>();
+    parts_ = std::move(parts);
+}
+
+Scene::Scene(std::shared_ptr<const SceneParts> parts) noexcept : parts_(std::move(parts))
+{
+    PROXIMA_CHECK(parts_ != nullptr);
+}
+
+std::size_t Scene::instance_count() const noexcept
+{
+    return parts_->rows.size();
+}
+
+std::size_t Scene::shape_count() const noexcept
+{
+    return parts_->shapes->size();
+}
+
+const MeshIndex& Scene::shape(std::uint32_t shape) const noexcept
+{
+    PROXIMA_CHECK_LT(shape, shape_count());
+    return (*parts_->shapes)[shape].index;
+}
+
+Instance Scene::instance(InstanceId id) const noexcept
+{
+    PROXIMA_CHECK_LT(to_index(id), instance_count());
+    const std::uint32_t at = (*parts_->row_of)[to_index(id)];
+    const SceneRow& row = parts_->rows[at];
+    return {row.shape, parts_->poses[at], row.layers};
+}
+
+Box Scene::bounds(InstanceId id) const noexcept
+{
+    PROXIMA_CHECK_LT(to_index(id), instance_count());
+    return parts_->rows[(*parts_->row_of)[to_index(id)]].box;
+}
+
+std::uint64_t Scene::bytes() const noexcept
+{
+    const std::size_t each = sizeof(SceneRow) + sizeof(RigidTransform) + sizeof(std::uint32_t);
+    return parts_->tree.bytes() + each * parts_->rows.size();
+}
+
+Result<Scene> build_scene(std::span<const MeshIndex> shapes, std::span<const Instance> instances,
+                          const SceneOptions& options)
+{
+    const Execution& execution = options.execution;
+    if (instances.size() > max_instances) {
+        return fail(ErrorCode::limit_exceeded,
+                    concat("a scene has at most ", max_instances, " instances, this one has ",
+                           instances.size()));
+    }
+    if (Status status = check_scene_budget(instances.size(), execution); !status)
+        return tl::unexpected(status.error());
+    auto parts = std::make_shared<SceneParts>();
+    std::vector<InstancedShape> made(shapes.size());
+    parallel_for(shapes.size(), execution.threads,
+                 [&](std::size_t i) { made[i] = make_instanced_shape(shapes[i]); });
+    PlacedBoxes placed(instances.size());
+    if (Status status = placed.place(
+            made, [&](std::size_t i) -> const Instance& { return instances[i]; }, execution);
+        !status)
+        return tl::unexpected(status.error());
+    const std::vector<Box>& boxes = placed.boxes();
+    std::vector<std::uint32_t> ids; // of instances that have a box, then of the others
+    std::vector<Box> full;
+    for (std::uint32_t i = 0; i < boxes.size(); ++i) {
+        if (boxes[i].empty()) continue;
+        ids.push_back(i);
+        full.push_back(boxes[i]);
+    }
+    if (!full.empty()) {
+        auto tree = build_mesh_index(diagonals_of(full), {.execution = execution});
+        if (!tree) return tl::unexpected(tree.error());
+        parts->tree = *tree;
+    }
+    std::vector<std::uint32_t> row_of(instances.size());
+    parts->rows.resize(instances.size());
+    parts->poses.resize(instances.size());
+    const auto put = [&](std::uint32_t row, std::uint32_t id) {
+        row_of[id] = row;
+        parts->rows[row] = {{}, instances[id].layers, id, instances[id].shape};
+        parts->poses[row] = instances[id].pose;
+        set_box(*parts, row, boxes[id]);
+    };
+    std::uint32_t row = 0;
+    for (const TriangleId at : parts->tree.ids()) put(row++, ids[to_index(at)]);
+    for (std::uint32_t i = 0; i < boxes.size(); ++i)
+        if (boxes[i].empty()) put(row++, i);
+    parts->shapes = std::make_shared<const std::vector<InstancedShape>>(std::move(made));
+    parts->row_of = std::make_shared<const std::vector<std::uint32_t>>(std::move(row_of));
+    return Scene(std::move(parts));
+}
+
+Result<Scene> move_instances(const Scene& scene, std::span<const RigidTransform> poses,
+                             const SceneOptions& options)
+{
+    const Execution& execution = options.execution;
+    const SceneParts& old = scene.parts();
+    if (poses.size() != old.rows.size()) {
+        return fail(ErrorCode::invalid_argument,
+                    concat("a list of ", poses.size(), " poses, but ", old.rows.size(),
+                           " instances; give one for each"));
+    }
+    if (Status status = check_scene_budget(poses.size(), execution); !status)
+        return tl::unexpected(status.error());
+    auto parts = std::make_shared<SceneParts>(old);
+    parts->largest_extent = 0;
+    parts->reach = 0;
+    PlacedBoxes placed(poses.size());
+    const auto instance_at = [&](std::size_t i) {
+        const SceneRow& row = old.rows[(*old.row_of)[i]];
+        return Instance{row.shape, poses[i], row.layers};
+    };
+    if (Status status = placed.place(*old.shapes, instance_at, execution); !status)
+        return tl::unexpected(status.error());
+    for (std::size_t row = 0; row < parts->rows.size(); ++row) {
+        const std::uint32_t id = parts->rows[row].instance;
+        parts->poses[row] = poses[id];
+        set_box(*parts, row, placed.boxes()[id]);
+    }
+    if (old.tree_rows() > 0) {
+        std::vector<Box> full(old.tree_rows()); // by the tree's triangles
+        for (std::uint32_t row = 0; row < old.tree_rows(); ++row)
+            full[to_index(old.tree.ids()[row])] = parts->rows[row].box;
+        auto tree =
+            refit_tree(old.tree.parts(), diagonals_of(full), execution.threads, execution.progress);
+        if (!tree) return tl::unexpected(tree.error());
+        parts->tree = make_mesh_index(std::move(*tree));
+    }
+    return Scene(std::move(parts));
+}
+
+} // namespace proxima

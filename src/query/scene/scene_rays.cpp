@@ -1,0 +1,117 @@
+#include "base/parallel.h"
+#include "base/progress.h"
+#include "base/text.h"
+#include "proxima/scene.h"
+#include "query/batch_size.h"
+#include "query/scene/scene_parts.h"
+#include "query/scene/scene_ray.h"
+
+#include <algorithm>
+#include <atomic>
+
+namespace proxima {
+
+namespace {
+
+constexpr std::size_t scene_rays_per_task = 256;
+
+/// Calls answer(i) for all rays. Errors: those of batches of rays.
+template <class Answer>
+Status for_rays(std::span<const Ray> rays, std::size_t answers, const Execution& execution,
+                const Answer& answer)
+{
+    if (Status status = check_batch_size(answers, rays.size(), "rays"); !status) return status;
+    for (std::size_t i = 0; i < rays.size(); ++i) {
+        if (is_valid(rays[i])) continue;
+        return fail(ErrorCode::invalid_argument,
+                    concat("ray ", i,
+                           " is none: origin and direction must be finite, the direction not zero, "
+                           "t_min at most t_max"),
+                    "rays");
+    }
+    begin_stage(execution.progress, "casting rays", rays.size());
+    parallel_chunks(rays.size(), scene_rays_per_task, execution.threads,
+                    [&](std::size_t first, std::size_t end) {
+                        if (is_cancelled(execution.progress)) return;
+                        for (std::size_t i = first; i < end; ++i) answer(i);
+                        advance_stage(execution.progress, end - first);
+                    });
+    if (is_cancelled(execution.progress)) return cancelled("casting rays");
+    return {};
+}
+
+} // namespace
+
+std::optional<SceneHit> closest_hit(const Scene& scene, const Ray& ray,
+                                    const SceneRayOptions& options) noexcept
+{
+    if (!is_valid(ray)) return std::nullopt;
+    const SceneParts& parts = scene.parts();
+    SceneRay walk(parts, ray);
+    std::optional<SceneHit> best;
+    Ray cut = ray;
+    walk.walk(options.layers, [&](std::uint32_t at) {
+        const SceneRow& row = parts.rows[at];
+        const auto hit =
+            closest_hit(parts.index(row), to_instance(parts.poses[at], cut), options.faces);
+        if (!hit) return Flow::proceed;
+        const SceneHit found = {InstanceId{row.instance}, *hit};
+        if (best && !found.before(*best)) return Flow::proceed;
+        best = found;
+        cut.t_max = found.hit.t;
+        walk.set_most(found.hit.t);
+        return Flow::proceed;
+    });
+    return best;
+}
+
+bool any_hit(const Scene& scene, const Ray& ray, const SceneRayOptions& options) noexcept
+{
+    if (!is_valid(ray)) return false;
+    const SceneParts& parts = scene.parts();
+    SceneRay walk(parts, ray);
+    bool found = false;
+    walk.walk(options.layers, [&](std::uint32_t at) {
+        found =
+            any_hit(parts.index(parts.rows[at]), to_instance(parts.poses[at], ray), options.faces);
+        return found ? Flow::stop : Flow::proceed;
+    });
+    return found;
+}
+
+void visit_hits(const Scene& scene, const Ray& ray, const SceneRayOptions& options,
+                FunctionRef<Flow(const SceneHit&)> visitor) noexcept
+{
+    if (!is_valid(ray)) return;
+    const SceneParts& parts = scene.parts();
+    SceneRay walk(parts, ray);
+    walk.walk(options.layers, [&](std::uint32_t at) {
+        const SceneRow& row = parts.rows[at];
+        Flow flow = Flow::proceed;
+        visit_hits(parts.index(row), to_instance(parts.poses[at], ray), options.faces,
+                   [&](const RayHit& hit) {
+                       return flow = visitor(SceneHit{InstanceId{row.instance}, hit});
+                   });
+        return flow;
+    });
+}
+
+std::vector<SceneHit> all_hits(const Scene& scene, const Ray& ray, const SceneRayOptions& options)
+{
+    std::vector<SceneHit> hits;
+    visit_hits(scene, ray, options, [&](const SceneHit& hit) {
+        hits.push_back(hit);
+        return Flow::proceed;
+    });
+    std::ranges::sort(hits, [](const SceneHit& a, const SceneHit& b) { return a.before(b); });
+    return hits;
+}
+
+Status closest_hits(const Scene& scene, std::span<const Ray> rays,
+                    std::span<std::optional<SceneHit>> hits, const SceneRayOptions& options)
+{
+    return for_rays(rays, hits.size(), options.execution,
+                    [&](std::size_t i) { hits[i] = closest_hit(scene, rays[i], options); });
+}
+
+} // namespace proxima
