@@ -108,7 +108,7 @@ struct PenetrationOptions {
 /// The penetration depth of A and B moved by the pose, as an interval that holds it.
 ///
 /// Two convex meshes: the least distance of the origin from the facets of the Minkowski sum of B and
-/// the mirrored A (minkowski_sum.h). The interval is as wide as both hull_error() and 2^-44 of the
+/// the mirrored A (minkowski_sum.h). The interval is as wide as both hull_error() and 2^-46 of the
 /// coordinates.
 ///
 /// Others. Upper bound: a translation that separates the hulls separates the meshes; shorter ones are
@@ -142,9 +142,10 @@ struct ContactRegion {
     Vec3 normal = Vec3::Zero();
     /// The largest depth found, no more than the region's greatest one; 0 where they only touch.
     double depth = 0;
-    double length = 0;                                   ///< of the contour
-    double area = 0;                                     ///< that the loops span, along the normal
-    std::array<ContactPoint, max_contact_points> points; ///< the deepest first
+    double length = 0; ///< of the contour
+    double area = 0;   ///< that the loops span, along the normal
+    /// The deepest first, or one as deep but for 2^-20 of it that is farther from `position`.
+    std::array<ContactPoint, max_contact_points> points;
     std::size_t point_count = 0;
     std::size_t first_line = 0; ///< lines of the contour: those numbers of `lines`
     std::size_t line_count = 0;

@@ -32,7 +32,7 @@ namespace PROXIMA_EXPORT proxima {
 ///
 ///     Rotation(t turn) start.rotation (p - center) + start(center) + t displacement
 struct RigidMotion {
-    RigidTransform start;
+    RigidTransform start = {};
     Vec3 center = Vec3::Zero();       ///< in B's own coordinates
     Vec3 displacement = Vec3::Zero(); ///< of the center, over the whole motion
     Vec3 turn = Vec3::Zero(); ///< the axis times the angle in radians, in A's axes; more than
@@ -67,8 +67,9 @@ struct TimeOfContact {
     /// B does not touch A from 0 up to this time, at any time between: proven, roundings included. 0
     /// where they meet at the start.
     double free_until = 0;
-    /// A time at which they meet, at most the tolerance later, or the next double; the first contact
-    /// is between the two. Infinity where the evidence is no intersection.
+    /// A time at which they meet; the first contact is between the two. At most the tolerance later, or
+    /// the time in which the fastest point of B moves by 64 margins (below). Infinity where the evidence
+    /// is no intersection.
     double touches_at = 0;
     ContactEvidence evidence = ContactEvidence::intersection;
 

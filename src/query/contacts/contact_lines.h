@@ -8,7 +8,8 @@
 #include "query/contacts/solid_parts.h"
 
 #include <algorithm>
-#include <cmath>
+#include <array>
+#include <cstddef>
 #include <optional>
 
 namespace proxima {
@@ -52,7 +53,7 @@ public:
             if (!is_common(from)) continue;
             const double up = leaves_at(from, normal);
             const double down = leaves_at(from, -normal);
-            if (!std::isfinite(up) || !std::isfinite(down)) continue;
+            if (!(up + down > 0)) continue;
             return ContactPoint{from + up * normal, from - down * normal, up + down};
         }
         return std::nullopt;
@@ -70,10 +71,25 @@ private:
     /// How far along the direction the line leaves A or B.
     [[nodiscard]] double leaves_at(const Vec3& from, const Vec3& direction) const
     {
-        const auto in_a = closest_hit(a_.index, {.origin = from, .direction = direction});
-        const auto in_b = closest_hit(
-            b_.index, {.origin = back_(from), .direction = pose_.rotation.transpose() * direction});
-        return std::min(in_a ? in_a->t : HUGE_VAL, in_b ? in_b->t : HUGE_VAL);
+        return std::min(leaves_at(a_.index, from, direction),
+                        leaves_at(b_.index, back_(from), pose_.rotation.transpose() * direction));
+    }
+
+    /// The end of the piece of the ray that is in the solid. What is between two hits is inside or
+    /// outside as a whole: surfaces may pass through a solid's inside, and hits of edges come twice.
+    static double leaves_at(const MeshIndex& index, const Vec3& from, const Vec3& direction)
+    {
+        constexpr std::size_t most = 64;
+        std::array<RayHit, most> hits;
+        const Ray ray = {.origin = from, .direction = direction};
+        const std::size_t count = std::min(all_hits(index, ray, hits), most);
+        double inside = 0;
+        for (std::size_t i = 0; i < count; ++i) {
+            const auto middle = signed_distance(index, ray.at(0.5 * (inside + hits[i].t)));
+            if (!middle || middle->distance > 0) break;
+            inside = hits[i].t;
+        }
+        return inside;
     }
 
     const SolidParts& a_;

@@ -185,7 +185,7 @@ private:
             const ContactPoint* best = nullptr;
             double most = above;
             for (const ContactPoint& point : found) {
-                const double value = measure(flat(point));
+                const double value = measure(point);
                 if (!(value > most)) continue;
                 most = value;
                 best = &point;
@@ -193,18 +193,27 @@ private:
             if (best != nullptr) region.points[region.point_count++] = *best;
             return best != nullptr;
         };
-        region.points[region.point_count++] = found.front();
+        // The farthest out of those that are as deep, as where faces are parallel.
+        constexpr double as_deep = 1 - 0x1p-20;
+        add_best(
+            [&](const ContactPoint& p) {
+                return p.depth >= as_deep * region.depth ? flat(p).stableNorm() : -1.0;
+            },
+            -1);
         const Vec3 p0 = flat(region.points[0]);
-        if (!add_best([&](const Vec3& p) { return (p - p0).stableNorm(); }, least)) return;
+        if (!add_best([&](const ContactPoint& p) { return (flat(p) - p0).stableNorm(); }, least))
+            return;
         const Vec3 p1 = flat(region.points[1]);
         const Vec3 along = (p1 - p0).stableNormalized();
         const auto beside = [&](const Vec3& p) { return along.cross(p - p0).dot(region.normal); };
-        if (!add_best([&](const Vec3& p) { return std::abs(beside(p)); }, least)) return;
+        if (!add_best([&](const ContactPoint& p) { return std::abs(beside(flat(p))); }, least))
+            return;
         // Beyond one of the triangle's three sides: what it adds to the area.
         std::array<Vec3, 3> corner = {p0, p1, flat(region.points[2])};
         if (beside(corner[2]) < 0) std::swap(corner[1], corner[2]);
         add_best(
-            [&](const Vec3& p) {
+            [&](const ContactPoint& point) {
+                const Vec3 p = flat(point);
                 double most = 0;
                 for (std::size_t i = 0; i < 3; ++i) {
                     const Vec3 side = corner[(i + 1) % 3] - corner[i];

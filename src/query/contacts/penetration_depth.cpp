@@ -35,9 +35,9 @@ Vec3 spiral_direction(std::uint32_t i, std::uint32_t count)
 //
 // Rounding. u = 2^-53, S the sum of the largest coordinates of A and B and of the translation, times the root
 // of 3. Corners of B moved are off by 8 u S, supports n . x by 4 u S, facets' normals, which are right
-// to a few roundings of their length, shift the sum's planes by 8 u S, and adding up t n to the translation
-// by 2 u S. Distances of points are off by 16 u S, and a point moved back by 8 u S. Together these are
-// below 2^-46 S, which is `slack_`. The pose's rotation may be none by rotation_error e: a distance in
+// to a few roundings of their length, shift the sum's planes by 8 u S, and t n added to the translation is
+// off by 2 u S. Distances of points are off by 16 u S, and a point moved back by 8 u S. Together these are
+// below 2^-48 S, which is `slack_`. The pose's rotation may be none by rotation_error e: a distance in
 // B's own frame is off by e times itself.
 class PenetrationSearch {
 public:
@@ -48,7 +48,7 @@ public:
         constexpr double root_of_three = 1.7320508075688774;
         const double coordinates =
             a.largest + 2 * b.largest + largest_component(pose_b.translation);
-        slack_ = 0x1p-46 * root_of_three * coordinates;
+        slack_ = 0x1p-48 * root_of_three * coordinates;
         for (const Vec3& p : b.hull.points()) moved_.push_back(pose_b(p));
     }
 
@@ -63,7 +63,7 @@ public:
         take(between->direction, hull_reach(between->direction));
         if (a_.is_convex && b_.is_convex) {
             answer_.method = PenetrationMethod::convex;
-            const double error = a_.hull_error + b_.hull_error + 4 * slack_;
+            const double error = a_.hull_error + b_.hull_error + slack_;
             answer_.lower = std::max(0.0, hull_depth - error);
             answer_.deepest = common_point();
         } else {
@@ -86,7 +86,7 @@ private:
         for (const Vec3& p : a_.hull.points()) top = std::max(top, direction.dot(p));
         double least = HUGE_VAL;
         for (const Vec3& p : moved_) least = std::min(least, direction.dot(p));
-        return std::max(0.0, top - least) + 4 * slack_;
+        return std::max(0.0, top - least) + slack_;
     }
 
     [[nodiscard]] Vec3 common_point() const
@@ -104,7 +104,7 @@ private:
                 rows[4 * i + k] = pose_.rotation(static_cast<int>(i), static_cast<int>(k));
         }
         const double stretch = 2 * rotation_error(rows) + 0x1p-48;
-        answer_.lower = std::max(0.0, found.depth * (1 - stretch) - 4 * slack_);
+        answer_.lower = std::max(0.0, found.depth * (1 - stretch) - slack_);
         answer_.deepest = found.point;
     }
 
@@ -114,7 +114,7 @@ private:
     }
 
     /// What moving along a direction to a distance is, roundings included.
-    [[nodiscard]] double bound_of(double distance) const { return distance + 4 * slack_; }
+    [[nodiscard]] double bound_of(double distance) const { return distance + slack_; }
 
     /// Looks for less than the least upper bound along a direction. Being free is not monotonic: a
     /// few distances are tried, and then the one where it begins to be free is closed in on.
@@ -137,7 +137,7 @@ private:
         }
         if (!free) return false;
         constexpr double close = 1e-6;
-        while (*free - blocked > close * *free) {
+        while (*free - blocked > std::max(close * *free, slack_)) {
             const double middle = 0.5 * (*free + blocked);
             if (middle <= blocked || middle >= *free) break;
             (is_free(direction, middle) ? *free : blocked) = middle;
@@ -168,7 +168,7 @@ private:
         add_surfaces(directions);
         for (std::uint32_t i = 0; i < options_.max_directions; ++i)
             directions.push_back(spiral_direction(i, options_.max_directions));
-        constexpr std::array<double, 4> parts = {0.97, 0.75, 0.5, 0.25};
+        constexpr std::array<double, 6> parts = {0.97, 0.75, 0.5, 0.25, 0.1, 0.03};
         begin_stage(options_.execution.progress, "separating meshes", directions.size());
         for (const Vec3& direction : directions) {
             if (is_cancelled(options_.execution.progress)) return false;

@@ -46,10 +46,10 @@ Status check_solid(const TriangleMesh& mesh, double scale, const Execution& exec
     };
     if (!report->closed) {
         const MeshFinding* const open = report->find(FindingKind::boundary_edges);
-        return refuse(concat("the mesh is open, and only a closed one has a depth: ",
-                             open != nullptr ? open->count : 0,
-                             " edges have one triangle; close it (proxima repair), or take its "
-                             "convex hull"));
+        return refuse(
+            concat("the mesh is open: ", open != nullptr ? open->count : 0,
+                   " edges have one triangle, and only a closed mesh has an inside; close "
+                   "its holes, or take its convex hull"));
     }
     if (!report->consistently_oriented) {
         return refuse("triangles of the closed mesh face different ways, so it has no inside: turn "

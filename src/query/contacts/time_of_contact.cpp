@@ -105,6 +105,9 @@ public:
         return std::max({plain, by_pairs, 0.0}) * rounded_down;
     }
 
+    /// The time in which the fastest point moves as far as roundings let nothing be said.
+    [[nodiscard]] double rounding() const { return fastest_ > 0 ? margin_ / fastest_ : 1; }
+
     /// The direction that kept the pair apart that ended the last step.
     [[nodiscard]] const Vec3& normal() const { return normal_; }
 
@@ -118,7 +121,8 @@ private:
             reach = factor_ * distance + margin_;
             near = near_rows(a_, b_, pose, reach / unit_, rows_);
             if (near.complete) break;
-            constexpr int attempts = 3;
+            constexpr int attempts = 2;
+            most_reach_ = reach;
             if (attempt == attempts) return 0;
             factor_ = 1 + (factor_ - 1) / 4;
         }
@@ -137,8 +141,9 @@ private:
             least = at_least;
             normal_ = normal;
         }
-        constexpr double widest = 64;
-        if (least == beyond) factor_ = std::min(2 * factor_, widest);
+        // Nothing near was in the way: look farther, but for where there were too many pairs.
+        if (least == beyond && 8 * reach < most_reach_) factor_ *= 8;
+        most_reach_ *= 2;
         return least;
     }
 
@@ -207,7 +212,8 @@ private:
     double margin_ = 0;
     Vec3 displacement_;
     double fastest_ = 0;
-    double factor_ = 4;
+    double factor_ = 4;         ///< reach of pairs, in distances of the meshes
+    double most_reach_ = never; ///< where there were too many
     Vec3 normal_ = Vec3::Zero();
     static constexpr std::size_t most_pairs = 256;
     std::array<NearRows, most_pairs> rows_;
@@ -248,18 +254,21 @@ std::optional<TimeOfContact> time_of_contact(const MeshIndex& a, const MeshIndex
     for (double time = 0;;) {
         const double step = bounds.step(time, pose, nearest);
         if (time + step >= 1) return std::nullopt;
-        if (step < tolerance || time + step == time) {
-            // Near: is there a contact within the tolerance?
-            const double probe =
-                std::min(1.0, std::max(time + tolerance, std::nextafter(time, 2.0)));
-            if (const auto found =
-                    find_meeting(a, b, pose_at(motion, probe), {.start_from = &meeting})) {
-                fill(answer, time, pose, nearest, bounds.normal());
-                answer.touches_at = probe;
-                return answer;
+        const bool is_stuck = time + step == time;
+        if (step < tolerance || is_stuck) {
+            // Is there a contact within the tolerance, or where roundings end?
+            double within = std::max(tolerance, std::nextafter(time, 2.0) - time);
+            for (int attempt = 0; attempt < (is_stuck ? 4 : 1); ++attempt) {
+                const double probe = std::min(1.0, time + within);
+                if (const auto found =
+                        find_meeting(a, b, pose_at(motion, probe), {.start_from = &meeting})) {
+                    fill(answer, time, pose, nearest, bounds.normal());
+                    answer.touches_at = probe;
+                    return answer;
+                }
+                within = std::max(within, bounds.rounding()) * 4;
             }
         }
-        const bool is_stuck = time + step == time;
         if (is_stuck || answer.steps >= options.max_steps) {
             fill(answer, time, pose, nearest, bounds.normal());
             answer.touches_at = never;
