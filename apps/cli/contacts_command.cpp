@@ -61,7 +61,7 @@ Json json_of(const ContactRegions& found)
     Json regions = Json::array();
     for (const ContactRegion& region : found.regions) {
         Json points = Json::array();
-        for (const ContactPoint& point : region.contacts()) {
+        for (const RegionPoint& point : region.contacts()) {
             points.push_back({{"on_a", triple_of(point.on_a)},
                               {"on_b", triple_of(point.on_b)},
                               {"depth", point.depth}});

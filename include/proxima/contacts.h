@@ -4,7 +4,7 @@
 //     auto depth = penetration_depth(*a, *b, pose_b);       // how far B must move to be free
 //     move_b(depth->translation);
 //     for (const ContactRegion& region : contact_regions(*a, *b, pose_b))
-//         for (const ContactPoint& p : region.contacts()) push(p.on_a, p.on_b, region.normal);
+//         for (const RegionPoint& p : region.contacts()) push(p.on_a, p.on_b, region.normal);
 //
 //          ______________                penetration depth: the shortest translation of B that
 //         |      B       |               separates the two: one number for the pair
@@ -124,7 +124,7 @@ struct PenetrationOptions {
                                                          const PenetrationOptions& options = {});
 
 /// Points of a line along a region's normal where it enters and leaves what A and B have in common.
-struct ContactPoint {
+struct RegionPoint {
     Vec3 on_a = Vec3::Zero(); ///< the end along the normal
     Vec3 on_b = Vec3::Zero(); ///< the end against the normal
     double depth = 0;         ///< how far apart the two are
@@ -145,12 +145,12 @@ struct ContactRegion {
     double length = 0; ///< of the contour
     double area = 0;   ///< that the loops span, along the normal
     /// The deepest first, or one as deep but for 2^-20 of it that is farther from `position`.
-    std::array<ContactPoint, max_contact_points> points;
+    std::array<RegionPoint, max_contact_points> points;
     std::size_t point_count = 0;
     std::size_t first_line = 0; ///< lines of the contour: those numbers of `lines`
     std::size_t line_count = 0;
 
-    [[nodiscard]] std::span<const ContactPoint> contacts() const noexcept
+    [[nodiscard]] std::span<const RegionPoint> contacts() const noexcept
     {
         return std::span(points).first(point_count);
     }

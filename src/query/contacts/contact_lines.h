@@ -45,8 +45,8 @@ public:
 
     /// The piece of the line through p along the normal that lies in both; nothing where p is not in
     /// both, nor a little above or below it. `size` is the region's.
-    [[nodiscard]] std::optional<ContactPoint> line_through(const Vec3& p, const Vec3& normal,
-                                                           double size) const
+    [[nodiscard]] std::optional<RegionPoint> line_through(const Vec3& p, const Vec3& normal,
+                                                          double size) const
     {
         for (const double part : {0.0, -0x1p-20, 0x1p-20}) {
             const Vec3 from = p + part * size * normal;
@@ -54,7 +54,7 @@ public:
             const double up = leaves_at(from, normal);
             const double down = leaves_at(from, -normal);
             if (!(up + down > 0)) continue;
-            return ContactPoint{from + up * normal, from - down * normal, up + down};
+            return RegionPoint{from + up * normal, from - down * normal, up + down};
         }
         return std::nullopt;
     }

@@ -124,7 +124,7 @@ private:
     void add_points(ContactRegion& region, std::span<const std::size_t> numbers)
     {
         const std::vector<Vec3> around = chosen_points(region, numbers);
-        std::vector<ContactPoint> found;
+        std::vector<RegionPoint> found;
         const auto look_at = [&](const Vec3& p) {
             if (const auto line = lines_.line_through(p, region.normal, region.length))
                 found.push_back(*line);
@@ -139,7 +139,7 @@ private:
                 look_at(p + part * region.length * inward);
         }
         if (!found.empty()) {
-            const auto deepest = std::ranges::max_element(found, {}, &ContactPoint::depth);
+            const auto deepest = std::ranges::max_element(found, {}, &RegionPoint::depth);
             std::iter_swap(found.begin(), deepest);
             found.push_back(found.front());
             found.front() = climb(found.front(), region);
@@ -151,11 +151,11 @@ private:
     }
 
     /// From the deepest line to deeper ones beside it.
-    ContactPoint climb(const ContactPoint& start, const ContactRegion& region)
+    RegionPoint climb(const RegionPoint& start, const ContactRegion& region)
     {
         const Vec3 u = region.normal.unitOrthogonal();
         const Vec3 v = region.normal.cross(u);
-        ContactPoint best = start;
+        RegionPoint best = start;
         constexpr double first = 0x1p-4;
         constexpr double last = 0x1p-16;
         for (double part = first; part > last;) {
@@ -174,17 +174,17 @@ private:
     }
 
     /// The deepest one first; then the farthest from it, from the line, and the largest quadrilateral.
-    static void reduce(std::span<const ContactPoint> found, ContactRegion& region)
+    static void reduce(std::span<const RegionPoint> found, ContactRegion& region)
     {
-        const auto flat = [&](const ContactPoint& p) {
+        const auto flat = [&](const RegionPoint& p) {
             const Vec3 from = 0.5 * (p.on_a - region.position) + 0.5 * (p.on_b - region.position);
             return Vec3(from - region.normal.dot(from) * region.normal);
         };
         const double least = 1e-9 * region.length; // closer ones are one
         const auto add_best = [&](const auto& measure, double above) {
-            const ContactPoint* best = nullptr;
+            const RegionPoint* best = nullptr;
             double most = above;
-            for (const ContactPoint& point : found) {
+            for (const RegionPoint& point : found) {
                 const double value = measure(point);
                 if (!(value > most)) continue;
                 most = value;
@@ -196,23 +196,23 @@ private:
         // The farthest out of those that are as deep, as where faces are parallel.
         constexpr double as_deep = 1 - 0x1p-20;
         add_best(
-            [&](const ContactPoint& p) {
+            [&](const RegionPoint& p) {
                 return p.depth >= as_deep * region.depth ? flat(p).stableNorm() : -1.0;
             },
             -1);
         const Vec3 p0 = flat(region.points[0]);
-        if (!add_best([&](const ContactPoint& p) { return (flat(p) - p0).stableNorm(); }, least))
+        if (!add_best([&](const RegionPoint& p) { return (flat(p) - p0).stableNorm(); }, least))
             return;
         const Vec3 p1 = flat(region.points[1]);
         const Vec3 along = (p1 - p0).stableNormalized();
         const auto beside = [&](const Vec3& p) { return along.cross(p - p0).dot(region.normal); };
-        if (!add_best([&](const ContactPoint& p) { return std::abs(beside(flat(p))); }, least))
+        if (!add_best([&](const RegionPoint& p) { return std::abs(beside(flat(p))); }, least))
             return;
         // Beyond one of the triangle's three sides: what it adds to the area.
         std::array<Vec3, 3> corner = {p0, p1, flat(region.points[2])};
         if (beside(corner[2]) < 0) std::swap(corner[1], corner[2]);
         add_best(
-            [&](const ContactPoint& point) {
+            [&](const RegionPoint& point) {
                 const Vec3 p = flat(point);
                 double most = 0;
                 for (std::size_t i = 0; i < 3; ++i) {

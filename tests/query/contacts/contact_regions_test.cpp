@@ -32,7 +32,7 @@ void expect_sound(const Solid& a, const Solid& b, const RigidTransform& pose,
         ASSERT_GE(region.point_count, 1U);
         ASSERT_LE(region.point_count, max_contact_points);
         EXPECT_GE(region.contacts().front().depth, (1 - 0x1p-20) * region.depth);
-        for (const ContactPoint& point : region.contacts()) {
+        for (const RegionPoint& point : region.contacts()) {
             EXPECT_LE(point.depth, region.depth);
             EXPECT_GE(point.depth, 0);
             EXPECT_NEAR((point.on_a - point.on_b).dot(region.normal), point.depth, 1e-12);
@@ -69,8 +69,8 @@ TEST(ContactRegions, OfABoxInAFloorHaveFourCornersAndTheDepth)
         ASSERT_EQ(region.point_count, 4U);
         double area = 0;
         const Vec3 first = region.points[0].on_a;
-        for (const ContactPoint& point : region.contacts())
-            for (const ContactPoint& other : region.contacts())
+        for (const RegionPoint& point : region.contacts())
+            for (const RegionPoint& other : region.contacts())
                 area = std::max(area, (point.on_a - first).cross(other.on_a - first).norm());
         EXPECT_GT(area, 0.8 * 8) << "the points reach to the corners";
     }
