@@ -139,17 +139,17 @@ std::string text_of(const std::optional<TimeOfContact>& found)
 {
     if (!found) return "no contact from time 0 to 1";
     const auto triple = [](const Vec3& p) {
-        return fmt::format("({:.9g}, {:.9g}, {:.9g})", p.x(), p.y(), p.z());
+        return fmt::format("({:.9g}, {:.9g}, {:.9g})", p.x() + 0.0, p.y() + 0.0, p.z() + 0.0);
     };
     std::string text;
     if (found->evidence == ContactEvidence::intersection) {
         text = fmt::format("free until {:.12g}, touches at {:.12g}", found->free_until,
                            found->touches_at);
     } else {
-        text = fmt::format("free until {:.12g}; then nearer than {} tell{} and no contact shown",
-                           found->free_until,
-                           found->evidence == ContactEvidence::rounding ? "roundings" : "the steps",
-                           "");
+        text = fmt::format("free until {:.12g}; no contact is shown, {}", found->free_until,
+                           found->evidence == ContactEvidence::rounding
+                               ? "and roundings of the coordinates hide whether there is one"
+                               : "and the steps are used up");
     }
     return text +
            fmt::format("\nthen {:.3g} apart: triangle {} at {}, triangle {} at {}\nnormal {}; "

@@ -53,7 +53,7 @@ Json triple_of(const Vec3& p)
 
 std::string triple_text(const Vec3& p)
 {
-    return fmt::format("({:.6g}, {:.6g}, {:.6g})", p.x(), p.y(), p.z());
+    return fmt::format("({:.6g}, {:.6g}, {:.6g})", p.x() + 0.0, p.y() + 0.0, p.z() + 0.0);
 }
 
 Json json_of(const ContactRegions& found)

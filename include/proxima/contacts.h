@@ -138,7 +138,8 @@ inline constexpr std::size_t max_contact_points = 4;
 struct ContactRegion {
     Vec3 position = Vec3::Zero(); ///< mean of the contour's segments by length
     /// From A to B, of length 1: of the plane that the contour's loops span, by their vector area; of
-    /// a contour that spans none, by the surfaces along it.
+    /// a contour that spans none, by the surfaces along it. Where the faces at both ends of the middle line
+    /// are parallel, theirs.
     Vec3 normal = Vec3::Zero();
     /// The largest depth found, no more than the region's greatest one; 0 where they only touch.
     double depth = 0;

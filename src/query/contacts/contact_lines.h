@@ -83,6 +83,7 @@ private:
         std::array<RayHit, most> hits;
         const Ray ray = {.origin = from, .direction = direction};
         const std::size_t count = std::min(all_hits(index, ray, hits), most);
+        if (count == 1) return hits[0].t; // from inside to outside
         double inside = 0;
         for (std::size_t i = 0; i < count; ++i) {
             const auto middle = signed_distance(index, ray.at(0.5 * (inside + hits[i].t)));

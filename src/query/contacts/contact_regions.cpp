@@ -38,6 +38,7 @@ public:
         const Vec3 area = vector_area(numbers, sums.from_surfaces);
         region.area = area.stableNorm();
         region.normal = normal_of(area, sums);
+        straighten(region);
         add_points(region, numbers);
         return region;
     }
@@ -96,6 +97,20 @@ private:
         return normal.squaredNorm() > 0.5 ? normal : Vec3(Vec3::UnitZ());
     }
 
+    /// Where the faces at both ends of the middle line are parallel, as those of boxes are, their normal
+    /// is the region's: the contour may run along slanting sides.
+    void straighten(ContactRegion& region) const
+    {
+        const auto line = lines_.line_through(region.position, region.normal, region.length);
+        if (!line) return;
+        const Vec3 of_a = lines_.surfaces_at(line->on_a).of_a;
+        const Vec3 of_b = lines_.surfaces_at(line->on_b).of_b;
+        constexpr double parallel = -1 + 1e-6;
+        constexpr double aligned = 0.9;
+        if (of_a.dot(of_b) < parallel && of_a.dot(region.normal) > aligned)
+            region.normal = (of_a - of_b).normalized();
+    }
+
     /// At most some dozens of the contour's points: evenly, and those that reach farthest.
     [[nodiscard]] std::vector<Vec3> chosen_points(const ContactRegion& region,
                                                   std::span<const std::size_t> numbers) const
@@ -105,7 +120,7 @@ private:
             for (const ContourPoint& point : contour_.points_of(contour_.lines[number]))
                 all.push_back(point.position);
         }
-        constexpr std::size_t most = 24;
+        constexpr std::size_t most = 16;
         if (all.size() <= most) return all;
         std::vector<Vec3> chosen;
         for (std::size_t i = 0; i < most; ++i) chosen.push_back(all[i * all.size() / most]);
@@ -131,18 +146,18 @@ private:
         };
         look_at(region.position);
         for (const Vec3& p : around) {
-            for (const double part : {0.984375, 0.75, 0.5, 0.25})
+            if (region.length == 0) break; // a point
+            for (const double part : {0.984375, 0.5})
                 look_at(region.position + part * (p - region.position));
             // Into both, for contours that go round a hole.
             const Vec3 inward = lines_.surfaces_at(p).inward();
-            for (const double part : {0x1p-24, 0x1p-16, 0x1p-10, 0x1p-6})
-                look_at(p + part * region.length * inward);
+            for (const double part : {0x1p-20, 0x1p-8}) look_at(p + part * region.length * inward);
         }
         if (!found.empty()) {
             const auto deepest = std::ranges::max_element(found, {}, &RegionPoint::depth);
             std::iter_swap(found.begin(), deepest);
             found.push_back(found.front());
-            found.front() = climb(found.front(), region);
+            if (region.length > 0) found.front() = climb(found.front(), region);
             region.depth = found.front().depth;
         } else { // they only touch
             for (const Vec3& p : around) found.push_back({p, p, 0});
@@ -157,7 +172,7 @@ private:
         const Vec3 v = region.normal.cross(u);
         RegionPoint best = start;
         constexpr double first = 0x1p-4;
-        constexpr double last = 0x1p-16;
+        constexpr double last = 0x1p-12;
         for (double part = first; part > last;) {
             bool better = false;
             for (const Vec3& side : {u, Vec3(-u), v, Vec3(-v)}) {

@@ -76,6 +76,21 @@ TEST(ContactRegions, OfABoxInAFloorHaveFourCornersAndTheDepth)
     }
 }
 
+TEST(ContactRegions, OfBoxesBesideEachOtherFaceAsTheirFacesDo)
+{
+    // The contour runs up and down the sides: the plane that it spans is slanting.
+    const Solid cube = solid_of(make_cube());
+    RigidTransform pose;
+    pose.rotation = Eigen::AngleAxisd(0.35, Vec3::UnitZ()).toRotationMatrix();
+    pose.translation = Vec3(0.3, 0.4, 1.9);
+    const ContactRegions found = contact_regions(cube, cube, pose);
+    ASSERT_EQ(found.regions.size(), 1U);
+    expect_sound(cube, cube, pose, found);
+    EXPECT_NEAR((found.regions[0].normal - Vec3::UnitZ()).norm(), 0, 1e-12);
+    EXPECT_NEAR(found.regions[0].depth, 0.1, 1e-12);
+    EXPECT_EQ(found.regions[0].point_count, 4U);
+}
+
 TEST(ContactRegions, OfTwoBallsAreTheLens)
 {
     const Solid ball = solid_of(make_icosphere(4));
