@@ -12,7 +12,7 @@
 namespace proxima::bench {
 namespace {
 
-using FclModel = fcl::BVHModel<fcl::RSSd>;
+using FclModel = fcl::BVHModel<fcl::OBBRSSd>;
 
 std::shared_ptr<FclModel> model_of(const TriangleMesh& mesh)
 {
@@ -60,7 +60,7 @@ FclTimeOfContact::FclTimeOfContact(const TriangleMesh& a, const TriangleMesh& b)
 
 FclTimeOfContact::~FclTimeOfContact() = default;
 
-std::optional<double> FclTimeOfContact::time(const RigidMotion& motion) const
+std::optional<double> FclTimeOfContact::time(const RigidMotion& motion, FclAdvance how) const
 {
     const RigidTransform& from = motion.start;
     const RigidTransform to = pose_at(motion, 1);
@@ -68,8 +68,10 @@ std::optional<double> FclTimeOfContact::time(const RigidMotion& motion) const
                                           fcl::Transform3d::Identity());
     const fcl::InterpMotion<double> moving(from.rotation, from.translation, to.rotation,
                                            to.translation, motion.center);
-    const fcl::ContinuousCollisionRequestd request(10000, 1e-9, fcl::CCDM_LINEAR, fcl::GST_LIBCCD,
-                                                   fcl::CCDC_CONSERVATIVE_ADVANCEMENT);
+    const bool steps = how == FclAdvance::steps;
+    const fcl::ContinuousCollisionRequestd request(
+        steps ? 200 : 10000, steps ? 5e-3 : 1e-9, fcl::CCDM_LINEAR, fcl::GST_LIBCCD,
+        steps ? fcl::CCDC_NAIVE : fcl::CCDC_CONSERVATIVE_ADVANCEMENT);
     fcl::ContinuousCollisionResultd result;
     (void)fcl::continuousCollide<double>(models_->a.get(), &still, models_->b.get(), &moving,
                                          request, result);

@@ -11,8 +11,11 @@
 
 namespace proxima::bench {
 
-/// Continuous collision of two meshes by FCL's conservative advancement, with swept spheres: with
-/// others it finds no contact of meshes (its issues 120 and 555).
+/// Conservative advancement, which finds no contact of meshes (FCL's issues 120 and 555), or 200
+/// equal steps.
+enum class FclAdvance : std::uint8_t { conservative, steps };
+
+/// Continuous collision of two meshes by FCL, with oriented boxes and swept spheres.
 class FclTimeOfContact {
 public:
     FclTimeOfContact(const TriangleMesh& a, const TriangleMesh& b);
@@ -21,7 +24,7 @@ public:
     FclTimeOfContact& operator=(const FclTimeOfContact&) = delete;
 
     /// The time of contact that it says; nothing where it says there is none.
-    [[nodiscard]] std::optional<double> time(const RigidMotion& motion) const;
+    [[nodiscard]] std::optional<double> time(const RigidMotion& motion, FclAdvance how) const;
 
 private:
     struct Models;
