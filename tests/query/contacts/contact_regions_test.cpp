@@ -1,4 +1,6 @@
 #include "proxima/contacts.h"
+#include "proxima/convex_polyhedron.h"
+#include "proxima/minkowski_sum.h"
 #include "proxima/sample_meshes.h"
 #include "proxima/signed_distance.h"
 #include "query/contacts/random_motions.h"
@@ -108,6 +110,39 @@ TEST(ContactRegions, OfTwoBallsAreTheLens)
         EXPECT_NEAR(region.length, 2 * std::numbers::pi * 0.6, 0.03);
         EXPECT_EQ(region.point_count, 4U);
     }
+}
+
+TEST(ContactRegions, OfConvexBodiesAreAsDeepAsTheirSumSays)
+{
+    const std::uint64_t seed = 31;
+    std::mt19937_64 random(seed);
+    SCOPED_TRACE(seed);
+    int compared = 0;
+    double worst = 0;
+    for (int i = 0; i < 40; ++i) {
+        const TriangleMesh mesh_a = random_hull(random, 12 + i, 1);
+        const TriangleMesh mesh_b = random_hull(random, 10 + i, 1);
+        const RigidTransform pose = random_pose(random, 1.4 * random_direction(random));
+        const Solid a = solid_of(mesh_a);
+        const Solid b = solid_of(mesh_b);
+        const ContactRegions found = contact_regions(a, b, pose);
+        expect_sound(a, b, pose, found);
+        if (found.regions.size() != 1) continue;
+        // B moved along the normal is free once no line along it has a piece of both.
+        std::vector<Vec3> moved_points;
+        for (const Vec3& p : mesh_b.positions()) moved_points.push_back(pose(p));
+        const auto hull_a = convex_hull(mesh_a.positions());
+        const auto hull_b = convex_hull(moved_points);
+        const auto sum = minkowski_sum(hull_a.value(), mirrored(hull_b.value()));
+        const auto depth =
+            directional_depth(sum.value(), Vec3::Zero(), found.regions.front().normal);
+        ASSERT_TRUE(depth);
+        EXPECT_LE(found.regions.front().depth, *depth * (1 + 1e-9) + 1e-12) << i;
+        worst = std::max(worst, 1 - found.regions.front().depth / *depth);
+        ++compared;
+    }
+    EXPECT_GT(compared, 15);
+    EXPECT_LT(worst, 0.02);
 }
 
 TEST(ContactRegions, OfABarThroughAPlateFaceBothWays)

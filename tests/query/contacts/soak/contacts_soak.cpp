@@ -48,6 +48,7 @@ Result<TriangleMesh> mesh_named(const std::string& name)
 
 struct SoakCounts {
     int contacts = 0;
+    int at_start = 0; ///< of these
     int undecided = 0;
     int passed = 0; ///< beyond a contact of the steps
     int missed = 0; ///< free, and the steps find a contact
@@ -77,6 +78,7 @@ void check_motion_of(const MeshIndex& a, const MeshIndex& b, const RigidMotion& 
         return;
     }
     ++counts.contacts;
+    counts.at_start += found->touches_at == 0 ? 1 : 0;
     counts.passed += found->free_until > first ? 1 : 0;
     if (found->evidence != ContactEvidence::intersection) {
         ++counts.undecided;
@@ -117,14 +119,15 @@ int run_soak(const ContactsSoakOptions& options)
     };
     const double most = *std::ranges::max_element(counts.seconds);
     std::printf(
-        "%d motions from seed %llu against %d steps each: %d contacts, %d undecided\n"
+        "%d motions from seed %llu against %d steps each: %d contacts, %d of them at the "
+        "start, %d undecided\n"
         "past a contact %d, missed %d, untrue %d; widest interval %.3g\n"
         "%.3f ms a motion, median, %.3f ms at most; %.0f distances, median; steps %.3f ms a "
         "motion\n",
         options.motions, static_cast<unsigned long long>(options.seed), options.steps,
-        counts.contacts, counts.undecided, counts.passed, counts.missed, counts.untrue,
-        counts.widest, 1e3 * middle(counts.seconds), 1e3 * most, middle(counts.distances),
-        1e3 * counts.stepping / options.motions);
+        counts.contacts, counts.at_start, counts.undecided, counts.passed, counts.missed,
+        counts.untrue, counts.widest, 1e3 * middle(counts.seconds), 1e3 * most,
+        middle(counts.distances), 1e3 * counts.stepping / options.motions);
     return counts.passed + counts.missed + counts.untrue == 0 ? 0 : 1;
 }
 
