@@ -168,7 +168,7 @@ struct ContactRegions {
 /// are one region. None where the surfaces do not meet, as where one mesh is inside the other. Of
 /// each region at most four points: the deepest, the farthest from it, the farthest from the line
 /// through both, and the one that makes the largest quadrilateral, seen along the normal. Allocates.
-/// Thread safe. 4 us per pair of triangles that meet, and 0.1 ms per region. Same bits on every
+/// Thread safe. 4 us per pair of triangles that meet, and 0.3 to 10 ms per region. Same bits on every
 /// machine. \pre differences of coordinates are finite
 [[nodiscard]] ContactRegions contact_regions(const Solid& a, const Solid& b,
                                              const RigidTransform& pose_b = {});

@@ -170,12 +170,18 @@ private:
     {
         const Vec3 u = region.normal.unitOrthogonal();
         const Vec3 v = region.normal.cross(u);
+        double turn = 0;
         RegionPoint best = start;
         constexpr double first = 0x1p-4;
         constexpr double last = 0x1p-12;
         for (double part = first; part > last;) {
             bool better = false;
-            for (const Vec3& side : {u, Vec3(-u), v, Vec3(-v)}) {
+            // Other directions each time: the deepest lines may be along a ridge.
+            turn += std::numbers::phi;
+            constexpr int sides = 6;
+            for (int i = 0; i < sides; ++i) {
+                const double angle = turn + 2 * std::numbers::pi * i / sides;
+                const Vec3 side = std::cos(angle) * u + std::sin(angle) * v;
                 const Vec3 middle = 0.5 * best.on_a + 0.5 * best.on_b;
                 const auto line = lines_.line_through(middle + part * region.length * side,
                                                       region.normal, region.length);

@@ -128,12 +128,18 @@ TEST(ContactRegions, OfConvexBodiesAreAsDeepAsTheirSumSays)
         const ContactRegions found = contact_regions(a, b, pose);
         expect_sound(a, b, pose, found);
         if (found.regions.size() != 1) continue;
-        // B moved along the normal is free once no line along it has a piece of both.
+        // The longest piece of a line in what they have in common: how far that moves along the
+        // line until it is free of itself.
         std::vector<Vec3> moved_points;
         for (const Vec3& p : mesh_b.positions()) moved_points.push_back(pose(p));
-        const auto hull_a = convex_hull(mesh_a.positions());
-        const auto hull_b = convex_hull(moved_points);
-        const auto sum = minkowski_sum(hull_a.value(), mirrored(hull_b.value()));
+        std::vector<HalfSpace> planes;
+        for (const auto& hull : {convex_hull(mesh_a.positions()), convex_hull(moved_points)}) {
+            for (std::uint32_t f = 0; f < hull->facet_count(); ++f)
+                planes.push_back(hull->half_space(f));
+        }
+        const auto common = polyhedron_of_half_spaces(planes);
+        if (!common) continue;
+        const auto sum = minkowski_sum(*common, mirrored(*common));
         const auto depth =
             directional_depth(sum.value(), Vec3::Zero(), found.regions.front().normal);
         ASSERT_TRUE(depth);
