@@ -33,6 +33,8 @@ struct Command {
 [[nodiscard]] Command add_cull_command(CLI::App& app);
 [[nodiscard]] Command add_intersect_command(CLI::App& app);
 [[nodiscard]] Command add_scene_command(CLI::App& app);
+[[nodiscard]] Command add_contacts_command(CLI::App& app);
+[[nodiscard]] Command add_contact_time_command(CLI::App& app);
 [[nodiscard]] Command add_touch_command(CLI::App& app);
 
 } // namespace proxima

@@ -82,10 +82,10 @@ class Manual(unittest.TestCase):
         self.assertEqual([page.name for page in PAGES if page.parent.name == "docs" and page not in linked], [])
 
     def test_commands_exist(self):
-        known = set(re.findall(r'add_subcommand\(\s*"(\w+)"', text_below("apps")))
+        known = set(re.findall(r'add_subcommand\(\s*"([\w-]+)"', text_below("apps")))
         self.assertIn("octree", known)
         named = {(page.name, command) for page in PAGES
-                 for command in re.findall(r"(?:^    |`|\$ )proxima (\w+)\b", page.read_text(), flags=re.MULTILINE)}
+                 for command in re.findall(r"(?:^    |`|\$ )proxima (\w[\w-]*)\b", page.read_text(), flags=re.MULTILINE)}
         self.assertEqual(sorted(pair for pair in named if pair[1] not in known), [])
 
     def test_options_exist(self):

@@ -11,10 +11,12 @@ HEADERS = sorted((Path(__file__).resolve().parents[2] / "include/proxima").glob(
 
 # Headers that Python has nothing of.
 NO_PART_OF_IT = {
+    "contacts.h": "not bound yet, `proxima contacts --json` answers",
     "export.h": "for compilers",
     "function_ref.h": "C++ callbacks",
     "proxima.h": "includes the others",
     "scene.h": "scenes of placed indexes: not bound yet, `proxima scene` does it",
+    "time_of_contact.h": "not bound yet, `proxima contact-time --json` answers",
     "tool_renderer.h": "touch with a tool: not bound yet, `proxima touch --tool` does it",
     "thesis.h": "the thesis's own methods, to compare with: their answers are those of the index",
 }

@@ -1,0 +1,176 @@
+// What physics asks of two closed meshes that overlap: where, in which direction, and how deep.
+//
+//     auto a = build_solid(*index_a);                       // once per mesh; as b
+//     auto depth = penetration_depth(*a, *b, pose_b);       // how far B must move to be free
+//     move_b(depth->translation);
+//     for (const ContactRegion& region : contact_regions(*a, *b, pose_b))
+//         for (const RegionPoint& p : region.contacts()) push(p.on_a, p.on_b, region.normal);
+//
+//          ______________                penetration depth: the shortest translation of B that
+//         |      B       |               separates the two: one number for the pair
+//      ___|______________|___  contour
+//     |   '--------------'   |           contact region: a connected part of the contour, with a
+//     |         A            |           normal from A to B and a depth along it
+//
+// Solids are closed sets: what touches, overlaps. Moved meshes are those of B's vertices as the pose
+// rounds them. docs/contacts.md defines all terms, with a picture.
+#pragma once
+
+#include "proxima/execution.h"
+#include "proxima/export.h"
+#include "proxima/geometry.h"
+#include "proxima/intersect_meshes.h"
+#include "proxima/mesh_index.h"
+#include "proxima/result.h"
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <vector>
+
+namespace PROXIMA_EXPORT proxima {
+
+struct SolidParts;
+
+/// A closed mesh with its inside, its convex hull and signs. Immutable and cheap to copy. Thread safe.
+/// Made by build_solid.
+class Solid {
+public:
+    /// With signs.
+    [[nodiscard]] const MeshIndex& index() const noexcept;
+    [[nodiscard]] const Enclosure& enclosure() const noexcept;
+    /// Whether the mesh is its convex hull, up to hull_error().
+    [[nodiscard]] bool is_convex() const noexcept;
+    /// Of a convex mesh: no point of its hull is farther from the solid, as coordinates of round shapes
+    /// are rounded and their faces are never quite flat; 0 where it is its hull but for roundings.
+    /// In the mesh's unit.
+    [[nodiscard]] double hull_error() const noexcept;
+
+    /// For the library's own searches.
+    [[nodiscard]] const SolidParts& parts() const noexcept { return *parts_; }
+    /// For the library's own builders. \pre parts is not null
+    explicit Solid(std::shared_ptr<const SolidParts> parts) noexcept;
+
+    // Copies only: a moved-from one would have no parts.
+    Solid(const Solid&) noexcept = default;
+    Solid& operator=(const Solid&) noexcept = default;
+    ~Solid() = default;
+
+private:
+    std::shared_ptr<const SolidParts> parts_; ///< never null
+};
+
+struct SolidOptions {
+    Execution execution = {};
+};
+
+/// Prepares a mesh for contacts; adds signs where the index has none. Vertices at one position are one.
+/// Errors: invalid_mesh (an empty index; a mesh that is open, not consistently oriented, or with a
+/// component that is turned inside out, cavities included; all vertices in one plane), limit_exceeded
+/// (coordinates above max_polyhedron_coordinate), those of with_signs. O(n log n), 5 to 15 us per
+/// triangle.
+[[nodiscard]] Result<Solid> build_solid(const MeshIndex& index, const SolidOptions& options = {});
+
+/// Whether two solids have a point in common. Exact. No allocation.
+[[nodiscard]] bool solids_overlap(const Solid& a, const Solid& b,
+                                  const RigidTransform& pose_b = {}) noexcept;
+
+enum class PenetrationMethod : std::uint8_t {
+    apart,  ///< no point in common: the depth is 0
+    convex, ///< of two convex meshes, by their Minkowski sum: the interval is as wide as roundings
+    bounds  ///< of others: the depth is in the interval, which may be wide
+};
+
+/// The penetration depth: the length of the shortest translation of B that separates the two, or rather
+/// the infimum of such lengths, as after the shortest one they still touch.
+struct PenetrationDepth {
+    /// No translation shorter than this separates them.
+    double lower = 0;
+    /// B moved by `translation`, no longer than this, is free.
+    double upper = 0;
+    Vec3 direction = Vec3::Zero(); ///< of `translation`, of length 1; zero where they are apart
+    /// Added to the translation of B's pose, it makes solids_overlap say no.
+    Vec3 translation = Vec3::Zero();
+    /// Where balls in A and in B, both about this point, are together the largest: half the reason
+    /// for `lower` of the method `bounds`. Else a point of both, or zero where they are apart.
+    Vec3 deepest = Vec3::Zero();
+    PenetrationMethod method = PenetrationMethod::apart;
+};
+
+struct PenetrationOptions {
+    std::uint32_t max_points = 4000; ///< at which distances to both surfaces are taken, for `lower`
+    std::uint32_t max_directions = 48; ///< that are tried besides those of hull, axes and surfaces
+    Execution execution = {};          ///< one thread
+};
+
+/// The penetration depth of A and B moved by the pose, as an interval that holds it.
+///
+/// Two convex meshes: the least distance of the origin from the facets of the Minkowski sum of B and
+/// the mirrored A (minkowski_sum.h). The interval is as wide as both hull_error() and 2^-46 of the
+/// coordinates.
+///
+/// Others. Upper bound: a translation that separates the hulls separates the meshes; shorter ones are
+/// looked for along many directions, and each is tested exactly: surfaces do not meet, and no part of
+/// one mesh is inside the other. Lower bound: where a point is a deep in A and b deep in B, two balls
+/// have a common centre, and B must move by a + b at least to part them; branch and bound looks
+/// for the largest sum.
+///
+/// Errors: limit_exceeded (of the sum), cancelled. Convex: O(facets of the sum). Others: some
+/// 10 ms on scanned models. Allocates. Thread safe. Same bits on every machine.
+[[nodiscard]] Result<PenetrationDepth> penetration_depth(const Solid& a, const Solid& b,
+                                                         const RigidTransform& pose_b = {},
+                                                         const PenetrationOptions& options = {});
+
+/// Points of a line along a region's normal where it enters and leaves what A and B have in common.
+struct RegionPoint {
+    Vec3 on_a = Vec3::Zero(); ///< the end along the normal
+    Vec3 on_b = Vec3::Zero(); ///< the end against the normal
+    double depth = 0;         ///< how far apart the two are
+};
+
+/// What a region has for physics at most.
+inline constexpr std::size_t max_contact_points = 4;
+
+/// A connected part of the contour. Depths are those of lines through it along the normal: how long the
+/// piece of the line is that lies in both solids and meets the region's mean plane.
+struct ContactRegion {
+    Vec3 position = Vec3::Zero(); ///< mean of the contour's segments by length
+    /// From A to B, of length 1: of the plane that the contour's loops span, by their vector area; of
+    /// a contour that spans none, by the surfaces along it. Where the faces at both ends of the middle line
+    /// are parallel, theirs.
+    Vec3 normal = Vec3::Zero();
+    /// The largest depth found, no more than the region's greatest one; 0 where they only touch.
+    double depth = 0;
+    double length = 0; ///< of the contour
+    double area = 0;   ///< that the loops span, along the normal
+    /// The deepest first, or one as deep but for 2^-20 of it that is farther from `position`.
+    std::array<RegionPoint, max_contact_points> points;
+    std::size_t point_count = 0;
+    std::size_t first_line = 0; ///< lines of the contour: those numbers of `lines`
+    std::size_t line_count = 0;
+
+    [[nodiscard]] std::span<const RegionPoint> contacts() const noexcept
+    {
+        return std::span(points).first(point_count);
+    }
+};
+
+/// All regions, in the order of the contour's lines.
+struct ContactRegions {
+    IntersectionContour contour;
+    std::vector<std::size_t> lines; ///< numbers of the contour's lines, region by region
+    std::vector<ContactRegion> regions;
+};
+
+/// The contact regions of A and B moved by the pose. Lines of the contour that have a point in common
+/// are one region. None where the surfaces do not meet, as where one mesh is inside the other. Of
+/// each region at most four points: the deepest, the farthest from it, the farthest from the line
+/// through both, and the one that makes the largest quadrilateral, seen along the normal. Allocates.
+/// Thread safe. 4 us per pair of triangles that meet, and 0.3 to 10 ms per region. Same bits on every
+/// machine. \pre differences of coordinates are finite
+[[nodiscard]] ContactRegions contact_regions(const Solid& a, const Solid& b,
+                                             const RigidTransform& pose_b = {});
+
+} // namespace proxima

@@ -1,0 +1,305 @@
+#include "base/disjoint_sets.h"
+#include "proxima/contacts.h"
+#include "query/contacts/contact_lines.h"
+#include "query/contacts/solid_parts.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <tuple>
+#include <utility>
+
+namespace proxima {
+
+namespace {
+
+/// A region's contour, summed up.
+struct RegionSums {
+    Vec3 weighted = Vec3::Zero(); ///< middles of segments times lengths, from the first point
+    Vec3 from_surfaces = Vec3::Zero();
+    double length = 0;
+};
+
+class RegionMaker {
+public:
+    RegionMaker(const Solid& a, const Solid& b, const RigidTransform& pose_b,
+                const IntersectionContour& contour)
+        : lines_(a.parts(), b.parts(), pose_b), contour_(contour)
+    {}
+
+    ContactRegion make(std::span<const std::size_t> numbers)
+    {
+        ContactRegion region;
+        const Vec3 first = contour_.points[contour_.lines[numbers.front()].first].position;
+        const RegionSums sums = sum_up(numbers, first);
+        region.length = sums.length;
+        region.position = first;
+        if (sums.length > 0) region.position += sums.weighted / sums.length;
+        const Vec3 area = vector_area(numbers, sums.from_surfaces);
+        region.area = area.stableNorm();
+        region.normal = normal_of(area, sums);
+        straighten(region);
+        add_points(region, numbers);
+        return region;
+    }
+
+private:
+    /// Visits the segments (from, to) of a line, the closing one included.
+    template <class Visit>
+    void visit_segments(std::size_t number, Visit visit) const
+    {
+        const ContourLine& line = contour_.lines[number];
+        const auto points = contour_.points_of(line);
+        for (std::size_t i = 0; i + 1 < points.size(); ++i)
+            visit(points[i].position, points[i + 1].position);
+        if (line.closed && points.size() > 1)
+            visit(points.back().position, points.front().position);
+    }
+
+    RegionSums sum_up(std::span<const std::size_t> numbers, const Vec3& first)
+    {
+        RegionSums sums;
+        for (const std::size_t number : numbers) {
+            visit_segments(number, [&](const Vec3& from, const Vec3& to) {
+                const double length = (to - from).stableNorm();
+                const Vec3 middle = 0.5 * (from - first) + 0.5 * (to - first);
+                sums.length += length;
+                sums.weighted += length * middle;
+                sums.from_surfaces += length * lines_.surfaces_at(first + middle).apart();
+            });
+        }
+        if (sums.length == 0) sums.from_surfaces = lines_.surfaces_at(first).apart();
+        return sums;
+    }
+
+    /// Loops are turned the way that surfaces face.
+    [[nodiscard]] Vec3 vector_area(std::span<const std::size_t> numbers, const Vec3& outward) const
+    {
+        Vec3 sum = Vec3::Zero();
+        for (const std::size_t number : numbers) {
+            const ContourLine& line = contour_.lines[number];
+            if (!line.closed) continue;
+            const Vec3 first = contour_.points[line.first].position;
+            Vec3 area = Vec3::Zero();
+            visit_segments(number, [&](const Vec3& from, const Vec3& to) {
+                area += 0.5 * (from - first).cross(to - first);
+            });
+            sum += area.dot(outward) < 0 ? Vec3(-area) : area;
+        }
+        return sum;
+    }
+
+    static Vec3 normal_of(const Vec3& area, const RegionSums& sums)
+    {
+        constexpr double thin = 1e-6; // of the square of the length: no plane can be told
+        if (area.stableNorm() > thin * sums.length * sums.length) return area.stableNormalized();
+        const Vec3 normal = sums.from_surfaces.stableNormalized();
+        return normal.squaredNorm() > 0.5 ? normal : Vec3(Vec3::UnitZ());
+    }
+
+    /// Where the faces at both ends of the middle line are parallel, as those of boxes are, their normal
+    /// is the region's: the contour may run along slanting sides.
+    void straighten(ContactRegion& region) const
+    {
+        const auto line = lines_.line_through(region.position, region.normal, region.length);
+        if (!line) return;
+        const Vec3 of_a = lines_.surfaces_at(line->on_a).of_a;
+        const Vec3 of_b = lines_.surfaces_at(line->on_b).of_b;
+        constexpr double parallel = -1 + 1e-6;
+        constexpr double aligned = 0.9;
+        if (of_a.dot(of_b) < parallel && of_a.dot(region.normal) > aligned)
+            region.normal = (of_a - of_b).normalized();
+    }
+
+    /// At most some dozens of the contour's points: evenly, and those that reach farthest.
+    [[nodiscard]] std::vector<Vec3> chosen_points(const ContactRegion& region,
+                                                  std::span<const std::size_t> numbers) const
+    {
+        std::vector<Vec3> all;
+        for (const std::size_t number : numbers) {
+            for (const ContourPoint& point : contour_.points_of(contour_.lines[number]))
+                all.push_back(point.position);
+        }
+        constexpr std::size_t most = 16;
+        if (all.size() <= most) return all;
+        std::vector<Vec3> chosen;
+        for (std::size_t i = 0; i < most; ++i) chosen.push_back(all[i * all.size() / most]);
+        const Vec3 u = region.normal.unitOrthogonal();
+        const Vec3 v = region.normal.cross(u);
+        constexpr int sides = 8;
+        for (int side = 0; side < sides; ++side) {
+            const double turn = 2 * std::numbers::pi * side / sides;
+            const Vec3 direction = std::cos(turn) * u + std::sin(turn) * v;
+            chosen.push_back(*std::ranges::max_element(
+                all, {}, [&](const Vec3& p) { return direction.dot(p - region.position); }));
+        }
+        return chosen;
+    }
+
+    void add_points(ContactRegion& region, std::span<const std::size_t> numbers)
+    {
+        const std::vector<Vec3> around = chosen_points(region, numbers);
+        std::vector<RegionPoint> found;
+        const auto look_at = [&](const Vec3& p) {
+            if (const auto line = lines_.line_through(p, region.normal, region.length))
+                found.push_back(*line);
+        };
+        look_at(region.position);
+        for (const Vec3& p : around) {
+            if (region.length == 0) break; // a point
+            for (const double part : {0.984375, 0.5})
+                look_at(region.position + part * (p - region.position));
+            // Into both, for contours that go round a hole.
+            const Vec3 inward = lines_.surfaces_at(p).inward();
+            for (const double part : {0x1p-20, 0x1p-8}) look_at(p + part * region.length * inward);
+        }
+        if (!found.empty()) {
+            const auto deepest = std::ranges::max_element(found, {}, &RegionPoint::depth);
+            std::iter_swap(found.begin(), deepest);
+            found.push_back(found.front());
+            if (region.length > 0) found.front() = climb(found.front(), region);
+            region.depth = found.front().depth;
+        } else { // they only touch
+            for (const Vec3& p : around) found.push_back({p, p, 0});
+        }
+        reduce(found, region);
+    }
+
+    /// From the deepest line to deeper ones beside it.
+    RegionPoint climb(const RegionPoint& start, const ContactRegion& region)
+    {
+        const Vec3 u = region.normal.unitOrthogonal();
+        const Vec3 v = region.normal.cross(u);
+        double turn = 0;
+        RegionPoint best = start;
+        constexpr double first = 0x1p-4;
+        constexpr double last = 0x1p-12;
+        for (double part = first; part > last;) {
+            bool better = false;
+            // Other directions each time: the deepest lines may be along a ridge.
+            turn += std::numbers::phi;
+            constexpr int sides = 6;
+            for (int i = 0; i < sides; ++i) {
+                const double angle = turn + 2 * std::numbers::pi * i / sides;
+                const Vec3 side = std::cos(angle) * u + std::sin(angle) * v;
+                const Vec3 middle = 0.5 * best.on_a + 0.5 * best.on_b;
+                const auto line = lines_.line_through(middle + part * region.length * side,
+                                                      region.normal, region.length);
+                if (!line || !(line->depth > best.depth)) continue;
+                best = *line;
+                better = true;
+            }
+            if (!better) part *= 0.5;
+        }
+        return best;
+    }
+
+    /// The deepest one first; then the farthest from it, from the line, and the largest quadrilateral.
+    static void reduce(std::span<const RegionPoint> found, ContactRegion& region)
+    {
+        const auto flat = [&](const RegionPoint& p) {
+            const Vec3 from = 0.5 * (p.on_a - region.position) + 0.5 * (p.on_b - region.position);
+            return Vec3(from - region.normal.dot(from) * region.normal);
+        };
+        const double least = 1e-9 * region.length; // closer ones are one
+        const auto add_best = [&](const auto& measure, double above) {
+            const RegionPoint* best = nullptr;
+            double most = above;
+            for (const RegionPoint& point : found) {
+                const double value = measure(point);
+                if (!(value > most)) continue;
+                most = value;
+                best = &point;
+            }
+            if (best != nullptr) region.points[region.point_count++] = *best;
+            return best != nullptr;
+        };
+        // The farthest out of those that are as deep, as where faces are parallel.
+        constexpr double as_deep = 1 - 0x1p-20;
+        add_best(
+            [&](const RegionPoint& p) {
+                return p.depth >= as_deep * region.depth ? flat(p).stableNorm() : -1.0;
+            },
+            -1);
+        const Vec3 p0 = flat(region.points[0]);
+        if (!add_best([&](const RegionPoint& p) { return (flat(p) - p0).stableNorm(); }, least))
+            return;
+        const Vec3 p1 = flat(region.points[1]);
+        const Vec3 along = (p1 - p0).stableNormalized();
+        const auto beside = [&](const Vec3& p) { return along.cross(p - p0).dot(region.normal); };
+        if (!add_best([&](const RegionPoint& p) { return std::abs(beside(flat(p))); }, least))
+            return;
+        // Beyond one of the triangle's three sides: what it adds to the area.
+        std::array<Vec3, 3> corner = {p0, p1, flat(region.points[2])};
+        if (beside(corner[2]) < 0) std::swap(corner[1], corner[2]);
+        add_best(
+            [&](const RegionPoint& point) {
+                const Vec3 p = flat(point);
+                double most = 0;
+                for (std::size_t i = 0; i < 3; ++i) {
+                    const Vec3 side = corner[(i + 1) % 3] - corner[i];
+                    most = std::max(most, -side.cross(p - corner[i]).dot(region.normal));
+                }
+                return most;
+            },
+            least * region.length);
+    }
+
+    ContactLines lines_;
+    const IntersectionContour& contour_;
+};
+
+/// The lines of the contour by what they are joined to, in their order.
+std::vector<std::vector<std::size_t>> joined_lines(const IntersectionContour& contour)
+{
+    struct End {
+        SurfacePart on_a;
+        SurfacePart on_b;
+        std::size_t line;
+    };
+    std::vector<End> ends;
+    for (std::size_t i = 0; i < contour.lines.size(); ++i) {
+        for (const ContourPoint& point : contour.points_of(contour.lines[i]))
+            ends.push_back({point.on_a, point.on_b, i});
+    }
+    const auto key = [](const End& end) { return std::tuple(end.on_a, end.on_b); };
+    std::ranges::sort(ends, [&](const End& a, const End& b) {
+        return std::tuple(key(a), a.line) < std::tuple(key(b), b.line);
+    });
+    DisjointSets sets(contour.lines.size());
+    for (std::size_t i = 1; i < ends.size(); ++i) {
+        if (key(ends[i - 1]) != key(ends[i])) continue;
+        sets.unite(static_cast<std::uint32_t>(ends[i - 1].line),
+                   static_cast<std::uint32_t>(ends[i].line));
+    }
+    std::vector<std::vector<std::size_t>> regions;
+    std::vector<std::size_t> region_of(contour.lines.size(), contour.lines.size());
+    for (std::size_t i = 0; i < contour.lines.size(); ++i) {
+        std::size_t& region = region_of[sets.find(static_cast<std::uint32_t>(i))];
+        if (region == contour.lines.size()) {
+            region = regions.size();
+            regions.emplace_back();
+        }
+        regions[region].push_back(i);
+    }
+    return regions;
+}
+
+} // namespace
+
+ContactRegions contact_regions(const Solid& a, const Solid& b, const RigidTransform& pose_b)
+{
+    ContactRegions found;
+    found.contour = intersection_contour(a.index(), b.index(), pose_b);
+    RegionMaker maker(a, b, pose_b, found.contour);
+    for (const auto& numbers : joined_lines(found.contour)) {
+        ContactRegion region = maker.make(numbers);
+        region.first_line = found.lines.size();
+        region.line_count = numbers.size();
+        found.lines.insert(found.lines.end(), numbers.begin(), numbers.end());
+        found.regions.push_back(region);
+    }
+    return found;
+}
+
+} // namespace proxima

@@ -1,0 +1,236 @@
+#include "base/progress.h"
+#include "proxima/closest_feature.h"
+#include "proxima/contacts.h"
+#include "proxima/minkowski_sum.h"
+#include "query/contacts/deepest_point.h"
+#include "query/contacts/overlap.h"
+#include "query/contacts/solid_parts.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <optional>
+#include <utility>
+
+namespace proxima {
+
+namespace {
+
+double largest_component(const Vec3& v)
+{
+    return v.cwiseAbs().maxCoeff();
+}
+
+/// Points along a spiral over the unit sphere, all but evenly.
+Vec3 spiral_direction(std::uint32_t i, std::uint32_t count)
+{
+    const double z = 1 - (2 * i + 1.0) / count;
+    const double turn = std::numbers::pi * (3 - std::sqrt(5.0)) * i;
+    const double radius = std::sqrt(std::max(0.0, 1 - z * z));
+    return Vec3(radius * std::cos(turn), radius * std::sin(turn), z).normalized();
+}
+
+// The steps of penetration_depth.
+//
+// Rounding. u = 2^-53, S the sum of the largest coordinates of A and B and of the translation, times the root
+// of 3. Corners of B moved are off by 8 u S, supports n . x by 4 u S, facets' normals, which are right
+// to a few roundings of their length, shift the sum's planes by 8 u S, and t n added to the translation is
+// off by 2 u S. Distances of points are off by 16 u S, and a point moved back by 8 u S. Together these are
+// below 2^-48 S, which is `slack_`. The pose's rotation may be none by rotation_error e: a distance in
+// B's own frame is off by e times itself.
+class PenetrationSearch {
+public:
+    PenetrationSearch(const SolidParts& a, const SolidParts& b, const RigidTransform& pose_b,
+                      const PenetrationOptions& options)
+        : a_(a), b_(b), pose_(pose_b), options_(options), overlap_(a, b)
+    {
+        constexpr double root_of_three = 1.7320508075688774;
+        const double coordinates =
+            a.largest + 2 * b.largest + largest_component(pose_b.translation);
+        slack_ = 0x1p-48 * root_of_three * coordinates;
+        for (const Vec3& p : b.hull.points()) moved_.push_back(pose_b(p));
+    }
+
+    Result<PenetrationDepth> find()
+    {
+        if (!overlap_(pose_)) return PenetrationDepth{};
+        auto moved = convex_hull(moved_, {}, options_.execution);
+        if (!moved) return tl::unexpected(moved.error());
+        const auto between = separation(a_.hull, *moved, {.execution = options_.execution});
+        if (!between) return tl::unexpected(between.error());
+        const double hull_depth = std::max(0.0, -between->distance);
+        take(between->direction, hull_reach(between->direction));
+        if (a_.is_convex && b_.is_convex) {
+            answer_.method = PenetrationMethod::convex;
+            const double error = a_.hull_error + b_.hull_error + slack_;
+            answer_.lower = std::max(0.0, hull_depth - error);
+            answer_.deepest = common_point();
+        } else {
+            answer_.method = PenetrationMethod::bounds;
+            bound_from_below();
+            if (is_cancelled(options_.execution.progress)) return stopped();
+            if (!bound_from_above()) return stopped();
+        }
+        answer_.lower = std::min(answer_.lower, answer_.upper);
+        return answer_;
+    }
+
+private:
+    static tl::unexpected<Error> stopped() { return cancelled("finding the penetration depth"); }
+
+    /// B moved this far along the direction is beyond A, as their hulls are: surely.
+    [[nodiscard]] double hull_reach(const Vec3& direction) const
+    {
+        double top = -HUGE_VAL;
+        for (const Vec3& p : a_.hull.points()) top = std::max(top, direction.dot(p));
+        double least = HUGE_VAL;
+        for (const Vec3& p : moved_) least = std::min(least, direction.dot(p));
+        return std::max(0.0, top - least) + slack_;
+    }
+
+    [[nodiscard]] Vec3 common_point() const
+    {
+        constexpr std::uint32_t few_points = 200;
+        return find_deepest_point(a_, b_, pose_, few_points).point;
+    }
+
+    void bound_from_below()
+    {
+        const DeepestPoint found = find_deepest_point(a_, b_, pose_, options_.max_points);
+        std::array<double, 12> rows{};
+        for (std::size_t i = 0; i < 3; ++i) {
+            for (std::size_t k = 0; k < 3; ++k)
+                rows[4 * i + k] = pose_.rotation(static_cast<int>(i), static_cast<int>(k));
+        }
+        const double stretch = 2 * rotation_error(rows) + 0x1p-48;
+        answer_.lower = std::max(0.0, found.depth * (1 - stretch) - slack_);
+        answer_.deepest = found.point;
+    }
+
+    [[nodiscard]] bool is_free(const Vec3& direction, double distance)
+    {
+        return !overlap_({pose_.rotation, pose_.translation + distance * direction});
+    }
+
+    /// What moving along a direction to a distance is, roundings included.
+    [[nodiscard]] double bound_of(double distance) const { return distance + slack_; }
+
+    /// Looks for less than the least upper bound along a direction. Being free is not monotonic: a
+    /// few distances are tried, and then the one where it begins to be free is closed in on.
+    bool shorten(const Vec3& direction, std::span<const double> parts)
+    {
+        const double reach = hull_reach(direction);
+        if (bound_of(reach) < answer_.upper) take(direction, reach);
+        double bound = std::min(answer_.upper, reach);
+        const double least = answer_.lower;
+        std::optional<double> free;
+        double blocked = least;
+        for (const double part : parts) { // descending
+            const double distance = least + part * (bound - least);
+            if (is_free(direction, distance)) {
+                free = distance;
+            } else if (free) {
+                blocked = distance;
+                break;
+            }
+        }
+        if (!free) return false;
+        constexpr double close = 1e-6;
+        while (*free - blocked > std::max(close * *free, slack_)) {
+            const double middle = 0.5 * (*free + blocked);
+            if (middle <= blocked || middle >= *free) break;
+            (is_free(direction, middle) ? *free : blocked) = middle;
+        }
+        if (bound_of(*free) >= answer_.upper) return false;
+        take(direction, *free);
+        return true;
+    }
+
+    void take(const Vec3& direction, double distance)
+    {
+        answer_.upper = bound_of(distance);
+        answer_.direction = direction;
+        answer_.translation = distance * direction;
+    }
+
+    /// Directions by hull, axes, surfaces near the deepest point, and all round; then turned a little.
+    /// False where cancelled.
+    bool bound_from_above()
+    {
+        std::vector<Vec3> directions = {answer_.direction};
+        for (int axis = 0; axis < 3; ++axis) {
+            directions.push_back(Vec3::Unit(axis));
+            directions.push_back(-Vec3::Unit(axis));
+            directions.push_back(pose_.rotation.col(axis).normalized());
+            directions.push_back(-directions.back());
+        }
+        add_surfaces(directions);
+        for (std::uint32_t i = 0; i < options_.max_directions; ++i)
+            directions.push_back(spiral_direction(i, options_.max_directions));
+        constexpr std::array<double, 6> parts = {0.97, 0.75, 0.5, 0.25, 0.1, 0.03};
+        begin_stage(options_.execution.progress, "separating meshes", directions.size());
+        for (const Vec3& direction : directions) {
+            if (is_cancelled(options_.execution.progress)) return false;
+            shorten(direction, parts);
+            advance_stage(options_.execution.progress, 1);
+        }
+        return turn_a_little();
+    }
+
+    /// From the deepest point, to where it leaves A and B.
+    void add_surfaces(std::vector<Vec3>& directions) const
+    {
+        const auto add = [&](const Vec3& direction) {
+            const Vec3 unit = direction.stableNormalized();
+            if (unit.allFinite() && unit.squaredNorm() > 0.5) directions.push_back(unit);
+        };
+        const Vec3& p = answer_.deepest;
+        if (const auto out = closest_feature(a_.index, p)) add(out->point - p);
+        const Vec3 there = pose_.inverse()(p);
+        if (const auto out = closest_feature(b_.index, there))
+            add(pose_.rotation * (there - out->point));
+    }
+
+    bool turn_a_little()
+    {
+        constexpr double widest = 0.25;
+        constexpr double narrowest = 1e-3;
+        for (double angle = widest; angle > narrowest;) {
+            if (is_cancelled(options_.execution.progress)) return false;
+            const Vec3 middle = answer_.direction;
+            const Vec3 aside = middle.unitOrthogonal();
+            const Vec3 other = middle.cross(aside);
+            const double before = answer_.upper;
+            const std::array<double, 1> part = {1 - std::max(0.1 * angle * angle, 1e-5)};
+            constexpr int around = 6;
+            for (int i = 0; i < around; ++i) {
+                const double turn = 2 * std::numbers::pi * i / around;
+                const Vec3 side = std::cos(turn) * aside + std::sin(turn) * other;
+                shorten((middle + angle * side).normalized(), part);
+            }
+            if (!(answer_.upper < before)) angle *= 0.5;
+        }
+        return true;
+    }
+
+    const SolidParts& a_;
+    const SolidParts& b_;
+    RigidTransform pose_;
+    const PenetrationOptions& options_;
+    SolidOverlap overlap_;
+    std::vector<Vec3> moved_; ///< corners of B's hull
+    double slack_ = 0;
+    PenetrationDepth answer_;
+};
+
+} // namespace
+
+Result<PenetrationDepth> penetration_depth(const Solid& a, const Solid& b,
+                                           const RigidTransform& pose_b,
+                                           const PenetrationOptions& options)
+{
+    return PenetrationSearch(a.parts(), b.parts(), pose_b, options).find();
+}
+
+} // namespace proxima

@@ -1,0 +1,254 @@
+#include "proxima/contacts.h"
+#include "proxima/convex_polyhedron.h"
+#include "proxima/minkowski_sum.h"
+#include "proxima/sample_meshes.h"
+#include "proxima/signed_distance.h"
+#include "query/contacts/random_motions.h"
+#include "query/contacts/solid_shapes.h"
+
+#include <cmath>
+#include <gtest/gtest.h>
+#include <numbers>
+
+namespace proxima {
+namespace {
+
+using namespace testing;
+
+RigidTransform placed(const Vec3& translation)
+{
+    RigidTransform pose;
+    pose.translation = translation;
+    return pose;
+}
+
+/// What every region promises.
+void expect_sound(const Solid& a, const Solid& b, const RigidTransform& pose,
+                  const ContactRegions& found)
+{
+    std::size_t lines = 0;
+    for (const ContactRegion& region : found.regions) {
+        EXPECT_NEAR(region.normal.norm(), 1, 1e-12);
+        EXPECT_EQ(region.first_line, lines);
+        lines += region.line_count;
+        ASSERT_GE(region.point_count, 1U);
+        ASSERT_LE(region.point_count, max_contact_points);
+        EXPECT_GE(region.contacts().front().depth, (1 - 0x1p-20) * region.depth);
+        for (const RegionPoint& point : region.contacts()) {
+            EXPECT_LE(point.depth, region.depth);
+            EXPECT_GE(point.depth, 0);
+            EXPECT_NEAR((point.on_a - point.on_b).dot(region.normal), point.depth, 1e-12);
+            // Between the two the line is in both.
+            const RigidTransform back = pose.inverse();
+            for (const double part : {0.01, 0.5, 0.99}) {
+                const Vec3 p = point.on_b + part * (point.on_a - point.on_b);
+                if (point.depth < 1e-9) continue;
+                EXPECT_LE(signed_distance(a.index(), p)->distance, 1e-12);
+                EXPECT_LE(signed_distance(b.index(), back(p))->distance, 1e-12);
+            }
+        }
+    }
+    EXPECT_EQ(lines, found.contour.lines.size());
+}
+
+TEST(ContactRegions, OfABoxInAFloorHaveFourCornersAndTheDepth)
+{
+    const Solid floor = solid_of(box_mesh({Vec3(-8, -8, -2), Vec3(8, 8, 0)}));
+    const Solid box = solid_of(box_mesh({Vec3(-1, -2, -1), Vec3(1, 2, 1)}));
+    for (const double depth : {0.125, 1e-3, 1e-6}) {
+        RigidTransform pose;
+        pose.rotation = Eigen::AngleAxisd(0.3, Vec3::UnitZ()).toRotationMatrix();
+        pose.translation = Vec3(1, 2, 1 - depth);
+        const ContactRegions found = contact_regions(floor, box, pose);
+        ASSERT_EQ(found.regions.size(), 1U);
+        const ContactRegion& region = found.regions.front();
+        expect_sound(floor, box, pose, found);
+        EXPECT_NEAR((region.normal - Vec3::UnitZ()).norm(), 0, 1e-9);
+        EXPECT_NEAR((region.position - Vec3(1, 2, 0)).norm(), 0, 1e-9);
+        EXPECT_NEAR(region.depth, depth, 1e-9);
+        EXPECT_NEAR(region.length, 12, 1e-9);
+        EXPECT_NEAR(region.area, 8, 1e-9);
+        ASSERT_EQ(region.point_count, 4U);
+        double area = 0;
+        const Vec3 first = region.points[0].on_a;
+        for (const RegionPoint& point : region.contacts())
+            for (const RegionPoint& other : region.contacts())
+                area = std::max(area, (point.on_a - first).cross(other.on_a - first).norm());
+        EXPECT_GT(area, 0.8 * 8) << "the points reach to the corners";
+    }
+}
+
+TEST(ContactRegions, OfBoxesBesideEachOtherFaceAsTheirFacesDo)
+{
+    // The contour runs up and down the sides: the plane that it spans is slanting.
+    const Solid cube = solid_of(make_cube());
+    RigidTransform pose;
+    pose.rotation = Eigen::AngleAxisd(0.35, Vec3::UnitZ()).toRotationMatrix();
+    pose.translation = Vec3(0.3, 0.4, 1.9);
+    const ContactRegions found = contact_regions(cube, cube, pose);
+    ASSERT_EQ(found.regions.size(), 1U);
+    expect_sound(cube, cube, pose, found);
+    EXPECT_NEAR((found.regions[0].normal - Vec3::UnitZ()).norm(), 0, 1e-12);
+    EXPECT_NEAR(found.regions[0].depth, 0.1, 1e-12);
+    EXPECT_EQ(found.regions[0].point_count, 4U);
+}
+
+TEST(ContactRegions, OfTwoBallsAreTheLens)
+{
+    const Solid ball = solid_of(make_icosphere(4));
+    std::mt19937_64 random(5);
+    for (int i = 0; i < 6; ++i) {
+        const Vec3 apart = 1.6 * random_direction(random);
+        const RigidTransform pose = random_pose(random, apart);
+        const ContactRegions found = contact_regions(ball, ball, pose);
+        ASSERT_EQ(found.regions.size(), 1U);
+        expect_sound(ball, ball, pose, found);
+        const ContactRegion& region = found.regions.front();
+        EXPECT_LT((region.normal - apart.normalized()).norm(), 0.01);
+        EXPECT_LT((region.position - 0.5 * apart).norm(), 0.01);
+        EXPECT_NEAR(region.depth, 0.4, 0.01);
+        EXPECT_NEAR(region.length, 2 * std::numbers::pi * 0.6, 0.03);
+        EXPECT_EQ(region.point_count, 4U);
+    }
+}
+
+TEST(ContactRegions, OfConvexBodiesAreAsDeepAsTheirSumSays)
+{
+    const std::uint64_t seed = 31;
+    std::mt19937_64 random(seed);
+    SCOPED_TRACE(seed);
+    int compared = 0;
+    double worst = 0;
+    for (int i = 0; i < 40; ++i) {
+        const TriangleMesh mesh_a = random_hull(random, 12 + i, 1);
+        const TriangleMesh mesh_b = random_hull(random, 10 + i, 1);
+        const RigidTransform pose = random_pose(random, 1.4 * random_direction(random));
+        const Solid a = solid_of(mesh_a);
+        const Solid b = solid_of(mesh_b);
+        const ContactRegions found = contact_regions(a, b, pose);
+        expect_sound(a, b, pose, found);
+        if (found.regions.size() != 1) continue;
+        // The longest piece of a line in what they have in common: how far that moves along the
+        // line until it is free of itself.
+        std::vector<Vec3> moved_points;
+        for (const Vec3& p : mesh_b.positions()) moved_points.push_back(pose(p));
+        std::vector<HalfSpace> planes;
+        for (const auto& hull : {convex_hull(mesh_a.positions()), convex_hull(moved_points)}) {
+            for (std::uint32_t f = 0; f < hull->facet_count(); ++f)
+                planes.push_back(hull->half_space(f));
+        }
+        const auto common = polyhedron_of_half_spaces(planes);
+        if (!common) continue;
+        const auto sum = minkowski_sum(*common, mirrored(*common));
+        const auto depth =
+            directional_depth(sum.value(), Vec3::Zero(), found.regions.front().normal);
+        ASSERT_TRUE(depth);
+        EXPECT_LE(found.regions.front().depth, *depth * (1 + 1e-9) + 1e-12) << i;
+        worst = std::max(worst, 1 - found.regions.front().depth / *depth);
+        ++compared;
+    }
+    EXPECT_GT(compared, 15);
+    EXPECT_LT(worst, 0.02);
+}
+
+TEST(ContactRegions, OfABarThroughAPlateFaceBothWays)
+{
+    const Solid plate = solid_of(box_mesh({Vec3(-4, -4, -0.5), Vec3(4, 4, 0.5)}));
+    const Solid bar = solid_of(box_mesh({Vec3(-0.25, -0.25, -3), Vec3(0.25, 0.25, 3)}));
+    const ContactRegions found = contact_regions(plate, bar);
+    ASSERT_EQ(found.regions.size(), 2U);
+    expect_sound(plate, bar, {}, found);
+    EXPECT_NEAR(found.regions[0].normal.dot(found.regions[1].normal), -1, 1e-12);
+    for (const ContactRegion& region : found.regions) {
+        EXPECT_NEAR(region.position.dot(region.normal), 0.5, 1e-12) << "outward, at its face";
+        EXPECT_NEAR(region.depth, 1, 1e-9);
+    }
+}
+
+TEST(ContactRegions, OfATorusOnAFloorGoRoundTheHole)
+{
+    const Solid floor = solid_of(box_mesh({Vec3(-8, -8, -2), Vec3(8, 8, 0)}));
+    const Solid torus = solid_of(make_torus(64, 32));
+    const RigidTransform pose = placed(Vec3(0.3, 0.2, 0.49));
+    const ContactRegions found = contact_regions(floor, torus, pose);
+    ASSERT_EQ(found.regions.size(), 2U);
+    expect_sound(floor, torus, pose, found);
+    for (const ContactRegion& region : found.regions) {
+        EXPECT_NEAR((region.normal - Vec3::UnitZ()).norm(), 0, 1e-6);
+        EXPECT_LE(region.depth, 0.01 + 1e-12);
+        EXPECT_GT(region.depth, 0.009);
+        EXPECT_EQ(region.point_count, 4U);
+    }
+}
+
+TEST(ContactRegions, OfATouchHaveNoDepth)
+{
+    const Solid cube = solid_of(make_cube());
+    const Solid corners = solid_of(make_octahedron());
+    const RigidTransform pose = placed(Vec3(0, 0, 2));
+    const ContactRegions found = contact_regions(cube, corners, pose);
+    ASSERT_EQ(found.regions.size(), 1U);
+    const ContactRegion& region = found.regions.front();
+    EXPECT_EQ(region.depth, 0);
+    EXPECT_EQ(region.length, 0);
+    ASSERT_EQ(region.point_count, 1U);
+    EXPECT_NEAR((region.points[0].on_a - Vec3(0, 0, 1)).norm(), 0, 1e-15);
+    EXPECT_GT(region.normal.z(), 0.5);
+    const ContactRegions faces = contact_regions(cube, cube, placed(Vec3(2, 0.5, 0)));
+    ASSERT_EQ(faces.regions.size(), 1U);
+    EXPECT_LT(faces.regions[0].depth, 1e-12);
+    EXPECT_NEAR((faces.regions[0].normal - Vec3::UnitX()).norm(), 0, 1e-9);
+    EXPECT_EQ(faces.regions[0].point_count, 4U);
+}
+
+TEST(ContactRegions, OfMeshesApartOrInsideAreNone)
+{
+    const Solid large = solid_of(box_mesh({Vec3(-4, -4, -4), Vec3(4, 4, 4)}));
+    const Solid cube = solid_of(make_cube());
+    EXPECT_TRUE(contact_regions(large, cube).regions.empty());
+    EXPECT_TRUE(contact_regions(large, cube, placed(Vec3(9, 0, 0))).regions.empty());
+}
+
+TEST(ContactRegions, OfRandomPosesAreSound)
+{
+    const std::uint64_t seed = 99;
+    std::mt19937_64 random(seed);
+    SCOPED_TRACE(seed);
+    const Solid ship = solid_of(sample_mesh("spaceship:1300").value());
+    const Solid torus = solid_of(make_torus(24, 12));
+    std::size_t regions = 0;
+    for (int i = 0; i < 20; ++i) {
+        const RigidTransform pose = random_pose(random, random_direction(random));
+        const ContactRegions found = contact_regions(ship, torus, pose);
+        expect_sound(ship, torus, pose, found);
+        regions += found.regions.size();
+    }
+    EXPECT_GT(regions, 20U);
+}
+
+TEST(ContactRegions, MoveWithTheMeshes)
+{
+    std::mt19937_64 random(17);
+    const TriangleMesh mesh = make_torus(24, 12);
+    const Solid torus = solid_of(mesh);
+    const Solid ball = solid_of(make_icosphere(3));
+    const RigidTransform pose = random_pose(random, Vec3(1.2, 0.5, 0.4));
+    const ContactRegions plain = contact_regions(torus, ball, pose);
+    const RigidTransform turned = random_pose(random, Vec3(3, -2, 1));
+    RigidTransform together = turned;
+    together.rotation = turned.rotation * pose.rotation;
+    together.translation = turned(pose.translation);
+    const ContactRegions there = contact_regions(
+        solid_of(moved(mesh, [&](const Vec3& p) { return turned(p); })), ball, together);
+    ASSERT_EQ(plain.regions.size(), there.regions.size());
+    ASSERT_EQ(plain.regions.size(), 1U);
+    const ContactRegion& before = plain.regions[0];
+    const ContactRegion& after = there.regions[0];
+    EXPECT_NEAR((turned(before.position) - after.position).norm(), 0, 1e-9);
+    EXPECT_NEAR((turned.rotation * before.normal - after.normal).norm(), 0, 1e-9);
+    EXPECT_NEAR(before.length, after.length, 1e-9);
+    EXPECT_NEAR(before.depth, after.depth, 0.01 * before.depth);
+}
+
+} // namespace
+} // namespace proxima

@@ -1,0 +1,319 @@
+#include "cancellation.h"
+#include "proxima/contacts.h"
+#include "proxima/mesh_index.h"
+#include "proxima/sample_meshes.h"
+#include "query/contacts/random_motions.h"
+#include "query/contacts/solid_shapes.h"
+
+#include <cmath>
+#include <gtest/gtest.h>
+
+namespace proxima {
+namespace {
+
+using namespace testing;
+
+RigidTransform moved_by(const Vec3& translation)
+{
+    RigidTransform pose;
+    pose.translation = translation;
+    return pose;
+}
+
+/// What an answer promises by itself.
+void expect_true_bounds(const Solid& a, const Solid& b, const RigidTransform& pose,
+                        const PenetrationDepth& found)
+{
+    EXPECT_EQ(solids_overlap(a, b, pose), found.method != PenetrationMethod::apart);
+    EXPECT_GE(found.lower, 0);
+    EXPECT_LE(found.lower, found.upper);
+    EXPECT_LE(found.translation.norm(), found.upper * (1 + 1e-15));
+    RigidTransform free = pose;
+    free.translation += found.translation;
+    EXPECT_FALSE(solids_overlap(a, b, free));
+    if (found.method == PenetrationMethod::apart) {
+        EXPECT_EQ(found.upper, 0);
+        EXPECT_EQ(found.direction, Vec3::Zero());
+    } else {
+        EXPECT_NEAR(found.direction.norm(), 1, 1e-12);
+        EXPECT_LT((found.direction - found.translation.normalized()).norm(), 1e-12);
+    }
+}
+
+TEST(PenetrationDepth, OfCubesIsExact)
+{
+    const Solid cube = solid_of(make_cube());
+    EXPECT_TRUE(cube.is_convex());
+    EXPECT_EQ(cube.hull_error(), 0);
+    const std::pair<Vec3, double> cases[] = {
+        {Vec3(1.75, 0.5, 0), 0.25}, {Vec3(0.25, 0.5, -0.75), 1.25},
+        {Vec3(0, 0, 0), 2},         {Vec3(2, 1, 1), 0},
+        {Vec3(2, 2, 2), 0},         {Vec3(-1.999, 0.1, 0), 0.001}};
+    for (const auto& [shift, truth] : cases) {
+        const RigidTransform pose = moved_by(shift);
+        const auto found = penetration_depth(cube, cube, pose);
+        ASSERT_TRUE(found);
+        EXPECT_EQ(found->method, PenetrationMethod::convex);
+        EXPECT_LE(found->lower, truth + 1e-16);
+        EXPECT_GE(found->upper, truth - 1e-16);
+        EXPECT_LT(found->upper - found->lower, 1e-12);
+        expect_true_bounds(cube, cube, pose, *found);
+    }
+    const auto apart = penetration_depth(cube, cube, moved_by(Vec3(2.0001, 0, 0)));
+    ASSERT_TRUE(apart);
+    EXPECT_EQ(apart->method, PenetrationMethod::apart);
+    EXPECT_EQ(apart->upper, 0);
+}
+
+TEST(PenetrationDepth, OfABoxWithinABoxIsTheWayOut)
+{
+    const Solid large = solid_of(box_mesh({Vec3(-4, -5, -6), Vec3(4, 5, 6)}));
+    const Solid small = solid_of(box_mesh({Vec3(-1, -1, -1), Vec3(1, 1, 1)}));
+    const RigidTransform pose = moved_by(Vec3(1, 0.5, 0));
+    const auto found = penetration_depth(large, small, pose);
+    ASSERT_TRUE(found);
+    EXPECT_NEAR(found->upper, 4, 1e-12);
+    EXPECT_NEAR(found->lower, 4, 1e-12);
+    EXPECT_NEAR((found->direction - Vec3::UnitX()).norm(), 0, 1e-12);
+    expect_true_bounds(large, small, pose, *found);
+    // The same number the other way round, in the opposite direction.
+    const auto swapped = penetration_depth(small, large, moved_by(Vec3(-1, -0.5, 0)));
+    ASSERT_TRUE(swapped);
+    EXPECT_NEAR(swapped->upper, 4, 1e-12);
+    EXPECT_NEAR((swapped->direction + Vec3::UnitX()).norm(), 0, 1e-12);
+}
+
+TEST(PenetrationDepth, OfBallsIsThatOfSpheresButForTheirFaces)
+{
+    const Solid ball = solid_of(make_icosphere(3));
+    EXPECT_TRUE(ball.is_convex());
+    EXPECT_LT(ball.hull_error(), 1e-8);
+    const double inner = inner_radius(make_icosphere(3));
+    std::mt19937_64 random(3);
+    for (const double distance : {0.3, 1.0, 1.7, 1.95}) {
+        const RigidTransform pose = random_pose(random, distance * random_direction(random));
+        const auto found = penetration_depth(ball, ball, pose);
+        ASSERT_TRUE(found);
+        EXPECT_EQ(found->method, PenetrationMethod::convex);
+        EXPECT_LE(found->upper, 2 - distance + 1e-9);
+        EXPECT_GE(found->lower, 2 * inner - distance - 1e-9);
+        expect_true_bounds(ball, ball, pose, *found);
+    }
+}
+
+TEST(PenetrationDepth, OfRandomHullsIsThatOfAllNormals)
+{
+    const std::uint64_t seed = 357;
+    std::mt19937_64 random(seed);
+    SCOPED_TRACE(seed);
+    int overlapping = 0;
+    for (int i = 0; i < 60; ++i) {
+        const TriangleMesh mesh_a = random_hull(random, 5 + i % 16, 1);
+        const TriangleMesh mesh_b = random_hull(random, 4 + i % 11, i % 3 == 0 ? 0.1 : 1);
+        const RigidTransform pose =
+            random_pose(random, 0.02 * static_cast<double>(i) * random_direction(random));
+        const Solid a = solid_of(mesh_a);
+        const Solid b = solid_of(mesh_b);
+        ASSERT_TRUE(a.is_convex() && b.is_convex());
+        const auto found = penetration_depth(a, b, pose);
+        ASSERT_TRUE(found);
+        expect_true_bounds(a, b, pose, *found);
+        const long double truth = convex_depth_by_brute_force(mesh_a, mesh_b, pose);
+        EXPECT_LE(found->lower, truth) << i;
+        EXPECT_GE(found->upper, truth) << i;
+        EXPECT_LT(found->upper - found->lower, 1e-11) << i;
+        overlapping += found->method == PenetrationMethod::convex ? 1 : 0;
+    }
+    EXPECT_GT(overlapping, 30);
+}
+
+TEST(PenetrationDepth, OfBoxesJoinedIsInTheInterval)
+{
+    const std::uint64_t seed = 491;
+    std::mt19937_64 random(seed);
+    SCOPED_TRACE(seed);
+    const auto whole = [&](int reach) {
+        return static_cast<double>(random() % static_cast<unsigned>(reach));
+    };
+    const auto random_boxes = [&](std::size_t count) {
+        Boxes all;
+        for (std::size_t i = 0; i < count; ++i) {
+            const Vec3 lower = Vec3(whole(5), whole(5), whole(5)) - Vec3::Constant(4);
+            all.boxes.push_back({lower, lower + Vec3(1 + whole(5), 1 + whole(5), 1 + whole(5))});
+        }
+        return all;
+    };
+    int overlapping = 0;
+    double widest = 0;
+    double sum = 0;
+    for (int i = 0; i < 60; ++i) {
+        const Boxes boxes_a = random_boxes(2 + static_cast<std::size_t>(i) % 3);
+        const Boxes boxes_b = random_boxes(1 + static_cast<std::size_t>(i) % 2);
+        const Solid a = solid_of(boxes_a.mesh());
+        const Solid b = solid_of(boxes_b.mesh());
+        const auto found = penetration_depth(a, b);
+        ASSERT_TRUE(found);
+        expect_true_bounds(a, b, {}, *found);
+        if (found->method == PenetrationMethod::apart) continue;
+        const double truth = boxes_depth(boxes_a, boxes_b);
+        EXPECT_LE(found->lower, truth) << i;
+        EXPECT_GE(found->upper, truth) << i;
+        ++overlapping;
+        if (truth == 0) continue;
+        widest = std::max(widest, found->upper / truth);
+        sum += found->upper / truth;
+    }
+    EXPECT_GT(overlapping, 40);
+    RecordProperty("greatest_upper_by_truth", std::to_string(widest));
+    RecordProperty("mean_upper_by_truth", std::to_string(sum / overlapping));
+    // A box's axes are among the directions that are tried.
+    EXPECT_LT(sum / overlapping, 1.05);
+}
+
+TEST(PenetrationDepth, OfLinkedRingsIsNotThatOfTheirHulls)
+{
+    // Two rings, one through the other's hole, that overlap a little: moving by a little is enough.
+    const TriangleMesh ring = torus_mesh(1, 0.3, 48, 24);
+    const Solid torus = solid_of(ring);
+    EXPECT_FALSE(torus.is_convex());
+    RigidTransform pose;
+    pose.rotation = Eigen::AngleAxisd(std::acos(-1.0) / 2, Vec3::UnitX()).toRotationMatrix();
+    pose.translation =
+        Vec3(1.45, 0, 0); // A's tube reaches in to 0.7, and B's from 0.45 out to 0.75
+    const auto found = penetration_depth(torus, torus, pose);
+    ASSERT_TRUE(found);
+    EXPECT_EQ(found->method, PenetrationMethod::bounds);
+    expect_true_bounds(torus, torus, pose, *found);
+    EXPECT_GT(found->lower, 0.02);
+    EXPECT_LT(found->upper, 0.06);
+    EXPECT_LT(found->direction.x(), -0.9);
+}
+
+TEST(PenetrationDepth, IsTheSameMovedTurnedSwappedAndScaled)
+{
+    std::mt19937_64 random(357);
+    const TriangleMesh mesh_a = make_torus(16, 8);
+    const TriangleMesh mesh_b = make_icosphere(1);
+    const Solid a = solid_of(mesh_a);
+    const Solid b = solid_of(mesh_b);
+    const RigidTransform pose = random_pose(random, Vec3(0.9, 0.4, 0.2));
+    const auto plain = penetration_depth(a, b, pose);
+    ASSERT_TRUE(plain);
+    ASSERT_EQ(plain->method, PenetrationMethod::bounds);
+    for (const int exponent : {-30, 30}) {
+        const double factor = std::ldexp(1.0, exponent);
+        const auto larger = [&](const Vec3& p) { return Vec3(factor * p); };
+        RigidTransform there = pose;
+        there.translation *= factor;
+        const auto found = penetration_depth(solid_of(moved(mesh_a, larger)),
+                                             solid_of(moved(mesh_b, larger)), there);
+        ASSERT_TRUE(found);
+        EXPECT_NEAR(found->lower / factor, plain->lower, 1e-9);
+        EXPECT_NEAR(found->upper / factor, plain->upper, 1e-9);
+    }
+    // Other searches, the same truth: the intervals have a point in common.
+    const auto swapped = penetration_depth(b, a, pose.inverse());
+    ASSERT_TRUE(swapped);
+    EXPECT_LE(swapped->lower, plain->upper);
+    EXPECT_GE(swapped->upper, plain->lower);
+    const RigidTransform turned = random_pose(random, Vec3(3, -2, 1));
+    const Solid a_there = solid_of(moved(mesh_a, [&](const Vec3& p) { return turned(p); }));
+    RigidTransform together = turned;
+    together.rotation = turned.rotation * pose.rotation;
+    together.translation = turned(pose.translation);
+    const auto there = penetration_depth(a_there, b, together);
+    ASSERT_TRUE(there);
+    EXPECT_LE(there->lower, plain->upper);
+    EXPECT_GE(there->upper, plain->lower);
+    EXPECT_NEAR(there->upper, plain->upper, 0.1 * plain->upper);
+}
+
+TEST(PenetrationDepth, WorksForTinyMeshesAndRefusesHugeOnes)
+{
+    for (const double size : {1e-200, 1e-100, 1e80}) {
+        const auto scale = [&](const Vec3& p) { return Vec3(size * p); };
+        const Solid cube = solid_of(moved(make_cube(), scale));
+        const auto found = penetration_depth(cube, cube, moved_by(Vec3(1.75 * size, 0, 0)));
+        ASSERT_TRUE(found);
+        EXPECT_NEAR(found->upper / size, 0.25, 1e-12) << size;
+        EXPECT_NEAR(found->lower / size, 0.25, 1e-12) << size;
+        const Solid torus = solid_of(moved(make_torus(12, 6), scale));
+        const auto wide = penetration_depth(torus, cube, moved_by(Vec3(1.75 * size, 0, 0)));
+        ASSERT_TRUE(wide);
+        // Squares of distances of the tiniest vanish, and balls with them.
+        if (size > 1e-150) {
+            EXPECT_GT(wide->lower / size, 0.1) << size;
+        }
+        EXPECT_LT(wide->upper / size, 1) << size;
+    }
+    const auto huge = build_solid(build_mesh_index(moved(make_cube(), [](const Vec3& p) {
+                                      return Vec3(1e160 * p);
+                                  })).value());
+    ASSERT_FALSE(huge);
+    EXPECT_EQ(huge.error().code, ErrorCode::limit_exceeded);
+}
+
+TEST(PenetrationDepth, IsCancelled)
+{
+    const Solid torus = solid_of(make_torus(16, 8));
+    const RigidTransform pose = moved_by(Vec3(0.3, 0.1, 0));
+    Progress progress;
+    progress.cancel();
+    const auto found =
+        penetration_depth(torus, torus, pose, {.execution = {.progress = &progress}});
+    ASSERT_FALSE(found);
+    EXPECT_EQ(found.error().code, ErrorCode::cancelled);
+}
+
+TEST(Solid, IsRefusedWhereItHasNoInside)
+{
+    const auto refused = [](const TriangleMesh& mesh, const char* says) {
+        const auto solid = build_solid(build_mesh_index(mesh).value());
+        ASSERT_FALSE(solid);
+        EXPECT_EQ(solid.error().code, ErrorCode::invalid_mesh);
+        EXPECT_NE(solid.error().message.find(says), std::string::npos) << solid.error().message;
+    };
+    const TriangleMesh cube = make_cube();
+    refused(without(cube, [](std::size_t i) { return i == 3; }), "open: 3 edges");
+    std::vector<TriangleCorners> triangles(cube.triangles().begin(), cube.triangles().end());
+    const std::vector<Vec3> positions(cube.positions().begin(), cube.positions().end());
+    std::swap(triangles[3][0], triangles[3][1]);
+    refused(mesh_of(positions, triangles), "face different ways");
+    for (TriangleCorners& t : triangles) std::swap(t[0], t[1]);
+    std::swap(triangles[3][0], triangles[3][1]);
+    refused(mesh_of(positions, triangles), "inside out");
+    refused(mesh_of({Vec3(0, 0, 0), Vec3(1, 0, 0), Vec3(0, 1, 0)}, {{0, 1, 2}, {0, 2, 1}}),
+            "no volume");
+    EXPECT_FALSE(build_solid(MeshIndex()));
+    // Vertices that are not joined do no harm.
+    std::vector<Vec3> apart;
+    std::vector<TriangleCorners> each;
+    for (const TriangleCorners& t : cube.triangles()) {
+        each.push_back({static_cast<std::uint32_t>(apart.size()),
+                        static_cast<std::uint32_t>(apart.size() + 1),
+                        static_cast<std::uint32_t>(apart.size() + 2)});
+        for (const std::uint32_t corner : t) apart.push_back(positions[corner]);
+    }
+    const auto solid = build_solid(build_mesh_index(mesh_of(apart, each)).value());
+    ASSERT_TRUE(solid);
+    const auto found = penetration_depth(*solid, *solid, moved_by(Vec3(1.5, 0, 0)));
+    ASSERT_TRUE(found);
+    EXPECT_NEAR(found->upper, 0.5, 1e-9);
+}
+
+TEST(Solid, OverlapsWhereOneIsInsideOrTheyTouch)
+{
+    const Solid large = solid_of(box_mesh({Vec3(-4, -4, -4), Vec3(4, 4, 4)}));
+    // One of two parts inside is enough.
+    const Solid two =
+        solid_of(joined(cube_mesh(Vec3(0, 0, 0), 0.5), cube_mesh(Vec3(20, 0, 0), 0.5)));
+    EXPECT_TRUE(solids_overlap(large, two));
+    EXPECT_TRUE(solids_overlap(two, large));
+    EXPECT_TRUE(solids_overlap(two, large, moved_by(Vec3(20, 0, 0))));
+    EXPECT_FALSE(solids_overlap(two, large, moved_by(Vec3(10, 0, 0))));
+    EXPECT_TRUE(solids_overlap(large, large, moved_by(Vec3(8, 0, 0))));
+    EXPECT_FALSE(solids_overlap(large, large, moved_by(Vec3(8.001, 0, 0))));
+}
+
+} // namespace
+} // namespace proxima

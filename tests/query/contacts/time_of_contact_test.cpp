@@ -1,0 +1,343 @@
+#include "proxima/time_of_contact.h"
+
+#include "counted_allocations.h"
+#include "index/test_meshes.h"
+#include "proxima/intersect_meshes.h"
+#include "proxima/mesh_distance.h"
+#include "proxima/mesh_index.h"
+#include "proxima/sample_meshes.h"
+#include "query/contacts/random_motions.h"
+
+#include <cmath>
+#include <gtest/gtest.h>
+#include <numbers>
+
+namespace proxima {
+namespace {
+
+using namespace testing;
+
+MeshIndex slabs_of(const TriangleMesh& mesh)
+{
+    return with_slabs(build_mesh_index(mesh).value()).value();
+}
+
+RigidTransform shifted(double x, double y, double z)
+{
+    RigidTransform pose;
+    pose.translation = Vec3(x, y, z);
+    return pose;
+}
+
+/// What an answer promises by itself: free where it says so, in contact where it says so.
+void expect_consistent(const MeshIndex& a, const MeshIndex& b, const RigidMotion& motion,
+                       const std::optional<TimeOfContact>& found, double tolerance)
+{
+    if (!found) {
+        EXPECT_FALSE(meshes_intersect(a, b, pose_at(motion, 1)));
+        return;
+    }
+    ASSERT_GE(found->free_until, 0);
+    ASSERT_LE(found->free_until, 1);
+    if (found->evidence != ContactEvidence::intersection) {
+        EXPECT_EQ(found->touches_at, HUGE_VAL);
+    } else {
+        EXPECT_TRUE(meshes_intersect(a, b, pose_at(motion, found->touches_at)));
+        EXPECT_LE(found->touches_at, 1);
+        EXPECT_LE(found->touches_at - found->free_until, std::max(tolerance, 0x1p-52) * (1 + 1e-6));
+    }
+    const RigidTransform pose = pose_at(motion, found->free_until);
+    EXPECT_EQ(pose.rotation, found->free_pose.rotation);
+    EXPECT_EQ(pose.translation, found->free_pose.translation);
+    EXPECT_EQ(mesh_distance(a, b, pose)->distance, found->distance);
+    if (found->touches_at > 0) {
+        EXPECT_GT(found->distance, 0);
+        EXPECT_NEAR(found->normal.norm(), 1, 1e-12);
+    }
+}
+
+/// Steps through the motion: never a contact before the answer's.
+void expect_free_before(const MeshIndex& a, const MeshIndex& b, const RigidMotion& motion,
+                        const std::optional<TimeOfContact>& found, int steps)
+{
+    const double end = found ? found->free_until : 1;
+    if (found && found->touches_at == 0) return;
+    int contacts = 0;
+    for (int i = 0; i <= steps; ++i)
+        contacts += meshes_intersect(a, b, pose_at(motion, end * i / steps)) ? 1 : 0;
+    EXPECT_EQ(contacts, 0) << "of " << steps << " steps to " << end;
+}
+
+TEST(TimeOfContact, IsThatOfTwoCubes)
+{
+    const MeshIndex cube = slabs_of(make_cube());
+    for (const double gap : {1.0, 0.25, 1e-3, 1e-9}) {
+        const RigidMotion motion = {.start = shifted(2 + gap, 0.3, 0.1),
+                                    .displacement = Vec3(-4 * gap, 0, 0)};
+        const auto found = time_of_contact(cube, cube, motion);
+        ASSERT_TRUE(found) << gap;
+        EXPECT_EQ(found->evidence, ContactEvidence::intersection);
+        // 2 + gap has been rounded.
+        const double truth = (motion.start.translation.x() - 2) / (4 * gap);
+        EXPECT_LE(found->free_until, truth);
+        EXPECT_GE(found->touches_at, truth * (1 - 1e-15));
+        EXPECT_NEAR(found->free_until, truth, 1.1e-9 + 1e-12 / gap);
+        EXPECT_NEAR(found->touches_at, truth, 1.1e-9 + 3e-12 / gap);
+        EXPECT_NEAR((found->normal - Vec3::UnitX()).norm(), 0, 1e-12);
+        EXPECT_LE(found->steps, 12U) << gap;
+        expect_consistent(cube, cube, motion, found, 1e-9 + 4e-12 / gap);
+    }
+}
+
+TEST(TimeOfContact, IsZeroWhereTheyTouchAtTheStart)
+{
+    const MeshIndex cube = slabs_of(make_cube());
+    for (const RigidMotion& motion :
+         {RigidMotion{.start = shifted(2, 0, 0), .displacement = Vec3(1, 0, 0)},
+          RigidMotion{.start = shifted(2, 2, 2), .turn = Vec3(0, 0, 1)},
+          RigidMotion{.start = shifted(0.5, 0, 0)}}) {
+        const auto found = time_of_contact(cube, cube, motion);
+        ASSERT_TRUE(found);
+        EXPECT_EQ(found->free_until, 0);
+        EXPECT_EQ(found->touches_at, 0);
+        EXPECT_EQ(found->distance, 0);
+        EXPECT_EQ(found->normal, Vec3::Zero());
+    }
+}
+
+TEST(TimeOfContact, SlidesAlongWithoutContact)
+{
+    const MeshIndex cube = slabs_of(make_cube());
+    for (const double gap : {0.5, 1e-2, 1e-5, 1e-9}) {
+        for (const Vec3& along : {Vec3(0, 0, 1), Vec3(0, 5, -3), Vec3(0.1, 3, 0)}) {
+            const RigidMotion motion = {.start = shifted(2 + gap, -0.7, 0), .displacement = along};
+            EXPECT_FALSE(time_of_contact(cube, cube, motion)) << gap << ", " << along.transpose();
+        }
+    }
+    // Within what coordinates are rounded by nothing can be proven.
+    const RigidMotion motion = {.start = shifted(2 + 0x1p-51, 0, 0), .displacement = Vec3(0, 1, 0)};
+    const auto found = time_of_contact(cube, cube, motion);
+    ASSERT_TRUE(found);
+    EXPECT_EQ(found->evidence, ContactEvidence::rounding);
+    EXPECT_EQ(found->touches_at, HUGE_VAL);
+}
+
+TEST(TimeOfContact, MeetsWhatItSlidesOnto)
+{
+    // The lower face moves in the plane of the other one's upper face: contact begins exactly at
+    // the edge.
+    const MeshIndex cube = slabs_of(make_cube());
+    const RigidMotion motion = {.start = shifted(4, 0, 2), .displacement = Vec3(-4, 0, 0)};
+    const auto found = time_of_contact(cube, cube, motion);
+    ASSERT_TRUE(found);
+    EXPECT_EQ(found->evidence, ContactEvidence::intersection);
+    EXPECT_LE(found->free_until, 0.5);
+    EXPECT_NEAR(found->touches_at, 0.5, 2e-9);
+    expect_consistent(cube, cube, motion, found, 1e-9);
+}
+
+TEST(TimeOfContact, IsThatOfABallAndAPlane)
+{
+    // The lowest vertex of the icosphere decides, whatever it is turned by.
+    const TriangleMesh ball = make_icosphere(3);
+    const TriangleMesh plane = mesh_of(
+        {Vec3(-9, -9, 0), Vec3(9, -9, 0), Vec3(9, 9, 0), Vec3(-9, 9, 0)}, {{0, 1, 2}, {0, 2, 3}});
+    const MeshIndex a = slabs_of(plane);
+    const MeshIndex b = slabs_of(ball);
+    std::mt19937_64 random(7);
+    for (int i = 0; i < 20; ++i) {
+        RigidMotion motion = {.start = random_pose(random, Vec3(0, 0, 3)),
+                              .displacement = Vec3(1, 0.5, -4)};
+        double lowest = HUGE_VAL;
+        for (const Vec3& p : ball.positions())
+            lowest = std::min(lowest, (motion.start.rotation * p).z());
+        const double truth = (motion.start.translation.z() + lowest) / 4;
+        const auto found = time_of_contact(a, b, motion);
+        ASSERT_TRUE(found);
+        EXPECT_LE(found->free_until, truth + 1e-15);
+        EXPECT_NEAR(found->free_until, truth, 1e-9);
+        EXPECT_GE(found->touches_at, truth - 1e-15);
+        EXPECT_NEAR((found->normal - Vec3::UnitZ()).norm(), 0, 1e-9);
+    }
+}
+
+TEST(TimeOfContact, IsThatOfATurningBar)
+{
+    // A bar about the z axis with its end at (5, 0) hits the cube's side at x = -1 ... the corner that
+    // passes y = 2 first is known in closed form.
+    const TriangleMesh bar =
+        moved(make_cube(), [](const Vec3& p) { return Vec3(5 * p.x(), 0.1 * p.y(), 0.1 * p.z()); });
+    const TriangleMesh wall =
+        moved(make_cube(), [](const Vec3& p) { return Vec3(p.x() + 4, 0.5 * p.y() + 3, p.z()); });
+    const MeshIndex a = slabs_of(wall);
+    const MeshIndex b = slabs_of(bar);
+    // Turning from the x axis towards y: the bar's side line y = x tan(angle) + 0.1 / cos(angle)
+    // reaches the wall's corner (3.., 2.5) nearest to it, or its end face's corner the plane y = 2.5.
+    const double half_turn = std::numbers::pi;
+    RigidMotion motion = {.turn = Vec3(0, 0, half_turn)};
+    const auto found = time_of_contact(a, b, motion);
+    ASSERT_TRUE(found);
+    // The end's corner (5, 0.1) is at height 5 sin + 0.1 cos; x = 5 cos - 0.1 sin = 4.29 is above the
+    // wall's underside [3, 5] at y = 2.5.
+    const double radius = std::hypot(5.0, 0.1);
+    const double angle = std::asin(2.5 / radius) - std::atan2(0.1, 5.0);
+    EXPECT_NEAR(found->free_until, angle / half_turn, 1.1e-9);
+    EXPECT_LE(found->free_until, angle / half_turn + 1e-15);
+    EXPECT_GE(found->touches_at, angle / half_turn - 1e-15);
+    expect_consistent(a, b, motion, found, 1e-9);
+    // The other way round the other end comes first, half a turn earlier; revolutions do not matter.
+    motion.turn *= -20;
+    const auto back = time_of_contact(a, b, motion);
+    ASSERT_TRUE(back);
+    const double other = std::numbers::pi - std::asin(2.5 / radius) - std::atan2(0.1, 5.0);
+    EXPECT_LT(back->touches_at * 20, 1);
+    expect_free_before(a, b, motion, back, 2000);
+    EXPECT_GT(other, 0);
+    expect_consistent(a, b, motion, back, 1e-9);
+}
+
+TEST(TimeOfContact, IsNeverPastAContactOfFineSteps)
+{
+    const std::uint64_t seed = 20261126;
+    std::mt19937_64 random(seed);
+    SCOPED_TRACE(seed);
+    int contacts = 0;
+    int free = 0;
+    for (const auto& [a, b] :
+         {std::pair(make_torus(24, 12), make_icosphere(2)),
+          {make_cube(), make_octahedron()},
+          {sample_mesh("spaceship:1300").value(), make_torus(9, 5)},
+          {without(make_icosphere(2), [](std::size_t i) { return i % 5 == 0; }), fans()}}) {
+        const MeshIndex index_a = slabs_of(a);
+        const MeshIndex index_b = slabs_of(b);
+        MotionGenerator motions(a, b, random());
+        for (int i = 0; i < 40; ++i) {
+            const RigidMotion motion = motions();
+            const auto found = time_of_contact(index_a, index_b, motion);
+            expect_consistent(index_a, index_b, motion, found, 1e-9);
+            expect_free_before(index_a, index_b, motion, found, 300);
+            (found ? contacts : free) += 1;
+        }
+    }
+    EXPECT_GT(contacts, 40);
+    EXPECT_GT(free, 20);
+}
+
+TEST(TimeOfContact, IsTheSameAtAnyScaleAndFarAway)
+{
+    const TriangleMesh torus = make_torus(12, 6);
+    MotionGenerator motions(torus, torus, 5);
+    const MeshIndex plain = slabs_of(torus);
+    for (int i = 0; i < 10; ++i) {
+        const RigidMotion motion = motions();
+        const auto truth = time_of_contact(plain, plain, motion);
+        for (const int exponent : {-600, -40, 40, 500}) {
+            const double factor = std::ldexp(1.0, exponent);
+            const MeshIndex scaled =
+                slabs_of(moved(torus, [&](const Vec3& p) { return Vec3(factor * p); }));
+            RigidMotion larger = motion;
+            larger.start.translation *= factor;
+            larger.center *= factor;
+            larger.displacement *= factor;
+            const auto found = time_of_contact(scaled, scaled, larger);
+            ASSERT_EQ(found.has_value(), truth.has_value()) << exponent;
+            if (!truth) continue;
+            EXPECT_EQ(found->free_until, truth->free_until) << exponent;
+            EXPECT_EQ(found->touches_at, truth->touches_at) << exponent;
+        }
+    }
+}
+
+TEST(TimeOfContact, WorksForHugeAndTinyCoordinates)
+{
+    for (const double size : {1e-200, 1e-160, 1e160, 1e300}) {
+        const MeshIndex cube =
+            slabs_of(moved(make_cube(), [&](const Vec3& p) { return Vec3(size * p); }));
+        const RigidMotion motion = {.start = shifted(4 * size, 0, 0),
+                                    .displacement = Vec3(-4 * size, 0, 0)};
+        const auto found = time_of_contact(cube, cube, motion);
+        ASSERT_TRUE(found) << size;
+        EXPECT_NEAR(found->free_until, 0.5, 2e-9) << size;
+        const RigidMotion away = {.start = shifted(4 * size, 0, 0),
+                                  .displacement = Vec3(4 * size, 0, 0)};
+        EXPECT_FALSE(time_of_contact(cube, cube, away)) << size;
+    }
+}
+
+TEST(TimeOfContact, TakesNoMoreStepsThanAllowed)
+{
+    const MeshIndex cube = slabs_of(make_cube());
+    const RigidMotion motion = {
+        .start = shifted(3, 2.5, 0), .displacement = Vec3(-1.3, -1, 0), .turn = Vec3(1, 2, 3)};
+    const auto whole = time_of_contact(cube, cube, motion);
+    ASSERT_TRUE(whole);
+    ASSERT_GT(whole->steps, 2U);
+    const auto cut = time_of_contact(cube, cube, motion, {.max_steps = 2});
+    ASSERT_TRUE(cut);
+    EXPECT_EQ(cut->evidence, ContactEvidence::steps);
+    EXPECT_EQ(cut->steps, 2U);
+    EXPECT_LT(cut->free_until, whole->free_until);
+}
+
+TEST(TimeOfContact, OfAnEmptyMeshIsNone)
+{
+    const MeshIndex cube = slabs_of(make_cube());
+    EXPECT_FALSE(time_of_contact(MeshIndex(), cube, {}));
+    EXPECT_FALSE(time_of_contact(cube, MeshIndex(), {}));
+}
+
+TEST(TimeOfContact, NeverAllocates)
+{
+    const TriangleMesh torus = make_torus(24, 12);
+    const MeshIndex index = slabs_of(torus);
+    MotionGenerator motions(torus, torus, 3);
+    for (int i = 0; i < 10; ++i) {
+        const RigidMotion motion = motions();
+        const std::size_t before = allocation_count();
+        const auto found = time_of_contact(index, index, motion);
+        EXPECT_EQ(allocation_count(), before) << found.has_value();
+    }
+}
+
+TEST(RigidMotion, EndsAtItsPoses)
+{
+    std::mt19937_64 random(11);
+    for (int i = 0; i < 200; ++i) {
+        const RigidTransform from = random_pose(random, Vec3(1, 2, 3));
+        const RigidTransform to = i % 5 == 0 ? from : random_pose(random, Vec3(-3, 0, 1));
+        const Vec3 center(0.5, -1, 2);
+        const RigidMotion motion = motion_between(from, to, center);
+        EXPECT_LE(motion.turn.norm(), std::numbers::pi * (1 + 1e-15));
+        const RigidTransform start = pose_at(motion, 0);
+        EXPECT_EQ(start.rotation, from.rotation);
+        EXPECT_EQ(start.translation, from.translation);
+        const RigidTransform end = pose_at(motion, 1);
+        EXPECT_LT((end.rotation - to.rotation).norm(), 1e-14);
+        EXPECT_LT((end.translation - to.translation).norm(), 1e-13);
+        const Vec3 middle = pose_at(motion, 0.5)(center);
+        EXPECT_LT((middle - 0.5 * (from(center) + to(center))).norm(), 1e-14);
+    }
+}
+
+TEST(RigidMotion, IsCheckedForNumbers)
+{
+    EXPECT_TRUE(check_motion({}));
+    EXPECT_TRUE(check_motion({.turn = Vec3(max_motion_turn, 0, 0)}));
+    for (const double bad : {HUGE_VAL, std::nan("")}) {
+        for (int field = 0; field < 5; ++field) {
+            RigidMotion motion;
+            Vec3* const vectors[] = {&motion.center, &motion.displacement, &motion.turn,
+                                     &motion.start.translation};
+            if (field < 4) {
+                (*vectors[field])[1] = bad;
+            } else {
+                motion.start.rotation(2, 1) = bad;
+            }
+            EXPECT_FALSE(check_motion(motion));
+        }
+    }
+    EXPECT_FALSE(check_motion({.turn = Vec3(0, 70000, 0)}));
+}
+
+} // namespace
+} // namespace proxima
