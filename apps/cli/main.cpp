@@ -28,11 +28,11 @@ int main(int argc, char** argv)
         proxima::add_octree_command,    proxima::add_compare_command,
         proxima::add_minkowski_command, proxima::add_index_command,
         proxima::add_proximity_command, proxima::add_closest_command,
-        proxima::add_sdf_command,       proxima::add_patch_command,
-        proxima::add_raycast_command,   proxima::add_cull_command,
-        proxima::add_intersect_command, proxima::add_touch_command,
-        proxima::add_tables_command,    proxima::add_check_command,
-        proxima::add_repair_command,    proxima::add_figures_command,
-        proxima::add_view_command};
+        proxima::add_sdf_command,       proxima::add_deviation_command,
+        proxima::add_patch_command,     proxima::add_raycast_command,
+        proxima::add_cull_command,      proxima::add_intersect_command,
+        proxima::add_touch_command,     proxima::add_tables_command,
+        proxima::add_check_command,     proxima::add_repair_command,
+        proxima::add_figures_command,   proxima::add_view_command};
     return proxima::run_command_line(argc, argv, PROXIMA_VERSION, commands);
 }
