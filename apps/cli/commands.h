@@ -28,6 +28,7 @@ struct Command {
 [[nodiscard]] Command add_proximity_command(CLI::App& app);
 [[nodiscard]] Command add_closest_command(CLI::App& app);
 [[nodiscard]] Command add_sdf_command(CLI::App& app);
+[[nodiscard]] Command add_deviation_command(CLI::App& app);
 [[nodiscard]] Command add_patch_command(CLI::App& app);
 [[nodiscard]] Command add_raycast_command(CLI::App& app);
 [[nodiscard]] Command add_cull_command(CLI::App& app);

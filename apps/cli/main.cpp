@@ -31,9 +31,10 @@ int main(int argc, char** argv)
         proxima::add_sdf_command,          proxima::add_patch_command,
         proxima::add_raycast_command,      proxima::add_cull_command,
         proxima::add_intersect_command,    proxima::add_contacts_command,
-        proxima::add_contact_time_command, proxima::add_scene_command,
-        proxima::add_touch_command,        proxima::add_tables_command,
-        proxima::add_check_command,        proxima::add_repair_command,
-        proxima::add_figures_command,      proxima::add_view_command};
+        proxima::add_contact_time_command, proxima::add_deviation_command,
+        proxima::add_scene_command,        proxima::add_touch_command,
+        proxima::add_tables_command,       proxima::add_check_command,
+        proxima::add_repair_command,       proxima::add_figures_command,
+        proxima::add_view_command};
     return proxima::run_command_line(argc, argv, PROXIMA_VERSION, commands);
 }

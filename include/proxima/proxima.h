@@ -16,6 +16,7 @@
 #include "proxima/haptic_renderer.h"
 #include "proxima/index_io.h"
 #include "proxima/intersect_meshes.h"
+#include "proxima/mesh_deviation.h"
 #include "proxima/mesh_distance.h"
 #include "proxima/mesh_index.h"
 #include "proxima/mesh_io.h"

@@ -47,7 +47,8 @@ PUBLIC = {
     "index_io.h": "index", "mesh_index.h": "index",
     "cast_ray.h": "query", "cells_along_ray.h": "query", "closest_feature.h": "query", "cull.h": "query",
     "intersect_meshes.h": "query", "mesh_distance.h": "query", "neighbourhood.h": "query",
-    "contacts.h": "query", "distance_field.h": "query", "scene.h": "query", "signed_distance.h": "query", "time_of_contact.h": "query",
+    "contacts.h": "query", "distance_field.h": "query", "mesh_deviation.h": "query", "scene.h": "query",
+    "signed_distance.h": "query", "time_of_contact.h": "query",
     "thesis.h": "thesis",
     "device.h": "haptics", "haptic_renderer.h": "haptics", "tool_renderer.h": "haptics", "touch_scene.h": "haptics",
 }

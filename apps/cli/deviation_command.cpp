@@ -1,0 +1,361 @@
+// proxima deviation: how far two meshes are from each other at most and on average, with bounds.
+#include "base/file_extension.h"
+#include "cli/camera_options.h"
+#include "cli/commands.h"
+#include "cli/deviation_report.h"
+#include "cli/index_file_model.h"
+#include "cli/model_options.h"
+#include "cli/plot.h"
+#include "cli/poses.h"
+#include "cli/stopwatch.h"
+#include "proxima/closest_feature.h"
+#include "proxima/mesh_deviation.h"
+#include "proxima/mesh_index.h"
+#include "proxima/signed_distance.h"
+
+#include <CLI/CLI.hpp>
+#include <fmt/core.h>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <optional>
+
+namespace proxima {
+
+namespace {
+
+using DeviationJson = nlohmann::ordered_json;
+
+struct DeviationOptions {
+    std::string model_a;
+    std::string model_b;
+    std::string pose;
+    double tolerance = 0;
+    double mean_tolerance = 0;
+    bool one_sided = false;
+    bool no_mean = false;
+    bool is_signed = false;
+    std::uint32_t bins = 16;
+    std::string histogram;
+    std::string out;
+    std::string picture;
+    CameraChoice view;
+};
+
+struct DeviationModel {
+    std::string name;
+    TriangleMesh mesh;
+    MeshIndex index;
+};
+
+/// From one mesh to the other.
+struct OneWay {
+    GreatestDeviation greatest;
+    std::optional<MeanDeviation> mean; ///< none where it is not wanted, or of a mesh without area
+    double greatest_seconds = 0;
+    double mean_seconds = 0;
+};
+
+Status check_deviation_options(const DeviationOptions& options, const Session& session)
+{
+    if (!options.out.empty() && lower_case_extension(options.out) != ".ply") {
+        return fail(ErrorCode::unsupported_format, "--out writes .ply alone", options.out);
+    }
+    if (Status status = check_picture(options.picture); !status) return status;
+    if (!options.histogram.empty()) {
+        if (Status status = check_plot_format(options.histogram); !status) return status;
+    }
+    return session.check_outputs({options.out, options.picture, options.histogram});
+}
+
+TriangleMesh moved_mesh(const TriangleMesh& mesh, const RigidTransform& pose)
+{
+    std::vector<Vec3> positions(mesh.positions().begin(), mesh.positions().end());
+    for (Vec3& position : positions) position = pose(position);
+    return make_triangle_mesh(std::move(positions),
+                              {mesh.triangles().begin(), mesh.triangles().end()})
+        .value();
+}
+
+Result<DeviationModel> load_deviation_model(const std::string& name, const RigidTransform* pose,
+                                            Session& session)
+{
+    auto mesh = session.load_model(name);
+    if (!mesh) return tl::unexpected(mesh.error());
+    DeviationModel model{.name = name, .mesh = std::move(*mesh), .index = {}};
+    const ProgressBar shown(session.progress(), session.bar());
+    if (pose == nullptr) {
+        auto index = index_of_model(name, model.mesh, session);
+        if (!index) return tl::unexpected(index.error());
+        model.index = *index;
+        return model;
+    }
+    model.mesh = moved_mesh(model.mesh, *pose);
+    auto index = build_mesh_index(model.mesh, {.execution = session.execution()});
+    if (!index) return at_model(index.error(), name);
+    model.index = *index;
+    return model;
+}
+
+Result<OneWay> measure_greatest(const DeviationModel& from, const DeviationModel& to,
+                                const DeviationOptions& options, Session& session)
+{
+    OneWay way;
+    const Stopwatch watch;
+    const ProgressBar shown(session.progress(), session.bar());
+    auto greatest = greatest_deviation(
+        from.index, to.index, {.tolerance = options.tolerance, .execution = session.execution()});
+    if (!greatest) return at_model(greatest.error(), from.name);
+    way.greatest = *greatest;
+    way.greatest_seconds = watch.seconds();
+    return way;
+}
+
+Status measure_mean(const DeviationModel& from, const DeviationModel& to,
+                    const DeviationOptions& options, double end, Session& session, OneWay& way)
+{
+    const Stopwatch watch;
+    const ProgressBar shown(session.progress(), session.bar());
+    auto mean = mean_deviation(from.index, to.index,
+                               {.tolerance = options.mean_tolerance,
+                                .histogram_bins = end > 0 ? options.bins : 0,
+                                .histogram_end = end,
+                                .execution = session.execution()});
+    if (!mean && mean.error().code == ErrorCode::invalid_mesh) {
+        session.note(fmt::format("{}: {}", from.name, mean.error().message));
+        return {};
+    }
+    if (!mean) return at_model(mean.error(), from.name);
+    way.mean = std::move(*mean);
+    way.mean_seconds = watch.seconds();
+    return {};
+}
+
+Result<VertexDeviations> vertex_deviations(const DeviationModel& a, const DeviationModel& b,
+                                           const DeviationOptions& options, double largest,
+                                           Session& session)
+{
+    VertexDeviations result{.distances = std::vector<double>(a.mesh.vertex_count()),
+                            .largest = largest,
+                            .is_signed = options.is_signed};
+    // Vertices that no triangle uses may be anything, and have no distance that counts.
+    std::vector<Vec3> points(a.mesh.positions().begin(), a.mesh.positions().end());
+    for (Vec3& point : points)
+        if (!point.allFinite()) point = Vec3::Zero();
+    const ProgressBar shown(session.progress(), session.bar());
+    Status status;
+    if (options.is_signed) {
+        const auto index = index_with_signs(b.index, b.name, session);
+        if (!index) return tl::unexpected(index.error());
+        status = signed_distances(*index, points, {.distances = result.distances},
+                                  {.execution = session.execution()});
+    } else {
+        status = closest_features(b.index, points, {.distances = result.distances},
+                                  {.execution = session.execution()});
+    }
+    if (!status) return tl::unexpected(status.error());
+    return result;
+}
+
+std::string text_of(const OneWay& way, const std::string& from, const std::string& to)
+{
+    const GreatestDeviation& greatest = way.greatest;
+    const Vec3& a = greatest.point_a;
+    const Vec3& b = greatest.point_b;
+    std::string text = fmt::format(
+        "from {} to {}\n"
+        "  greatest            {:.12g} to {:.12g}{}, {:.3f} s\n"
+        "    at ({:.9g}, {:.9g}, {:.9g}) of triangle {}, closest ({:.9g}, {:.9g}, {:.9g}) of "
+        "triangle {}\n",
+        from, to, greatest.distance.lower, greatest.distance.upper,
+        greatest.is_complete ? "" : " (tolerance not reached)", way.greatest_seconds, a.x(), a.y(),
+        a.z(), to_index(greatest.triangle_a), b.x(), b.y(), b.z(), to_index(greatest.triangle_b));
+    if (way.mean) {
+        text +=
+            fmt::format("  mean                {:.9g} to {:.9g}{}, {:.3f} s\n"
+                        "  root mean square    {:.9g} to {:.9g}\n",
+                        way.mean->mean.lower, way.mean->mean.upper,
+                        way.mean->is_complete ? "" : " (tolerance not reached)", way.mean_seconds,
+                        way.mean->root_mean_square.lower, way.mean->root_mean_square.upper);
+    }
+    return text;
+}
+
+DeviationJson json_of(const OneWay& way)
+{
+    const auto point = [](const Vec3& p) { return DeviationJson{p.x(), p.y(), p.z()}; };
+    const auto bounds = [](const DistanceBounds& both) {
+        return DeviationJson{both.lower, both.upper};
+    };
+    const GreatestDeviation& greatest = way.greatest;
+    DeviationJson json = {{"greatest", bounds(greatest.distance)},
+                          {"complete", greatest.is_complete},
+                          {"point_a", point(greatest.point_a)},
+                          {"point_b", point(greatest.point_b)},
+                          {"triangle_a", to_index(greatest.triangle_a)},
+                          {"triangle_b", to_index(greatest.triangle_b)},
+                          {"splits", greatest.splits},
+                          {"seconds", way.greatest_seconds}};
+    if (way.mean) {
+        json["mean"] = bounds(way.mean->mean);
+        json["root_mean_square"] = bounds(way.mean->root_mean_square);
+        json["mean_complete"] = way.mean->is_complete;
+        json["area"] = way.mean->area;
+        json["histogram"] = way.mean->histogram;
+        json["mean_splits"] = way.mean->splits;
+        json["mean_seconds"] = way.mean_seconds;
+    }
+    return json;
+}
+
+DeviationHistogram histogram_of(const std::vector<OneWay>& ways, double end)
+{
+    DeviationHistogram histogram{.end = end, .names = {}, .shares = {}};
+    for (std::size_t i = 0; i < ways.size(); ++i) {
+        if (!ways[i].mean || ways[i].mean->histogram.empty()) continue;
+        histogram.names.emplace_back(i == 0 ? "A to B" : "B to A");
+        histogram.shares.push_back(ways[i].mean->histogram);
+    }
+    return histogram;
+}
+
+Status write_deviation_files(const DeviationModel& a, const DeviationModel& b,
+                             const DeviationOptions& options, const DeviationHistogram& histogram,
+                             double largest, Session& session)
+{
+    Progress* const progress = &session.progress();
+    if (!options.histogram.empty()) {
+        if (histogram.shares.empty()) {
+            return fail(ErrorCode::invalid_argument,
+                        "there is no histogram: all distances are 0, or there is no mean",
+                        "--histogram");
+        }
+        if (Status status = write_deviation_histogram(
+                histogram, fmt::format("Distances of {} and {}", a.name, b.name), options.histogram,
+                progress);
+            !status)
+            return status;
+    }
+    if (options.out.empty() && options.picture.empty()) return {};
+    const auto deviations = vertex_deviations(a, b, options, largest, session);
+    if (!deviations) return tl::unexpected(deviations.error());
+    if (!options.out.empty()) {
+        if (Status status = write_deviation_ply(a.mesh, *deviations, options.out, progress);
+            !status)
+            return status;
+    }
+    if (options.picture.empty()) return {};
+    const auto image =
+        draw_deviation(a.mesh, *deviations, for_model(options.view, options.model_a), progress);
+    if (!image) return tl::unexpected(image.error());
+    return write_png(*image, options.picture, progress);
+}
+
+Status run_deviation(const DeviationOptions& options, Session& session)
+{
+    if (Status status = check_deviation_options(options, session); !status) return status;
+    Poses read{.poses = {}};
+    if (!options.pose.empty()) {
+        auto parsed = parse_pose(options.pose);
+        if (!parsed) return tl::unexpected(parsed.error());
+        read = std::move(*parsed);
+    }
+    const auto a = load_deviation_model(options.model_a, nullptr, session);
+    if (!a) return tl::unexpected(a.error());
+    const auto b = load_deviation_model(options.model_b,
+                                        read.poses.empty() ? nullptr : read.poses.data(), session);
+    if (!b) return tl::unexpected(b.error());
+
+    std::vector<OneWay> ways;
+    DistanceBounds hausdorff;
+    for (int i = 0; i < (options.one_sided ? 1 : 2); ++i) {
+        auto way = i == 0 ? measure_greatest(*a, *b, options, session)
+                          : measure_greatest(*b, *a, options, session);
+        if (!way) return tl::unexpected(way.error());
+        hausdorff = both_ways(hausdorff, way->greatest.distance);
+        ways.push_back(std::move(*way));
+    }
+    for (std::size_t i = 0; i < ways.size() && !options.no_mean; ++i) {
+        if (Status status = measure_mean(i == 0 ? *a : *b, i == 0 ? *b : *a, options,
+                                         hausdorff.upper, session, ways[i]);
+            !status)
+            return status;
+    }
+    const DeviationHistogram histogram = histogram_of(ways, hausdorff.upper);
+    if (Status status = write_deviation_files(*a, *b, options, histogram,
+                                              ways.front().greatest.distance.upper, session);
+        !status)
+        return status;
+
+    std::string text = fmt::format("A {}: {} triangles\nB {}: {} triangles\n", a->name,
+                                   a->mesh.triangle_count(), b->name, b->mesh.triangle_count());
+    const std::string rotated = rotation_text(read.rotation_error);
+    if (!rotated.empty()) text += rotated + '\n';
+    text += text_of(ways[0], "A", "B");
+    if (!options.one_sided) {
+        text += text_of(ways[1], "B", "A");
+        text += fmt::format("Hausdorff distance    {:.12g} to {:.12g}\n", hausdorff.lower,
+                            hausdorff.upper);
+    }
+    if (!histogram.shares.empty()) text += histogram_text(histogram);
+    for (const std::string& path : {options.histogram, options.out, options.picture})
+        if (!path.empty()) text += fmt::format("wrote {}\n", path);
+    session.print(text);
+    DeviationJson json = {{"a", a->name},
+                          {"b", b->name},
+                          {"triangles_a", a->mesh.triangle_count()},
+                          {"triangles_b", b->mesh.triangle_count()},
+                          {"rotation_error", read.rotation_error},
+                          {"a_to_b", json_of(ways[0])}};
+    if (!options.one_sided) {
+        json["b_to_a"] = json_of(ways[1]);
+        json["hausdorff"] = {hausdorff.lower, hausdorff.upper};
+    }
+    if (!histogram.shares.empty()) json["histogram_end"] = histogram.end;
+    return session.write_json(json);
+}
+
+} // namespace
+
+Command add_deviation_command(CLI::App& app)
+{
+    CLI::App* const parser = app.add_subcommand(
+        "deviation", "Bound how far two meshes are from each other at most and on average");
+    const auto options = std::make_shared<DeviationOptions>();
+    parser->add_option("A", options->model_a, "The first mesh: a file or a built-in")
+        ->required()
+        ->type_name("MODEL");
+    parser->add_option("B", options->model_b, "The mesh that a pose moves")
+        ->required()
+        ->type_name("MODEL");
+    parser->add_option("--pose", options->pose, "One pose of B")->type_name("POSE");
+    const auto add_tolerance = [&](const char* name, double& number, const char* what) {
+        parser->add_option(name, number, what)->check(CLI::NonNegativeNumber)->type_name("T");
+    };
+    add_tolerance("--tolerance", options->tolerance,
+                  "How far the bounds of the greatest distance may be apart, in the meshes' unit "
+                  "(default: 1e-6 of the diagonal of the box about both)");
+    add_tolerance("--mean-tolerance", options->mean_tolerance,
+                  "The same of the mean (default: 1e-5 of the diagonal)");
+    parser->add_flag("--one-sided", options->one_sided, "From A to B alone");
+    parser->add_flag("--no-mean", options->no_mean, "The greatest distances alone: much quicker");
+    parser->add_option("--bins", options->bins, "Bins of the histogram")
+        ->check(CLI::Range(1U, max_histogram_bins))
+        ->capture_default_str()
+        ->type_name("N");
+    parser
+        ->add_option("--histogram", options->histogram,
+                     "Write the shares of the areas by distance: .csv, .svg, .pdf, .png")
+        ->type_name("FILE");
+    parser
+        ->add_option("--out", options->out,
+                     "Write A with the distances of its vertices as colours and as their quality: "
+                     ".ply")
+        ->type_name("FILE");
+    parser->add_flag("--signed", options->is_signed,
+                     "Colours and qualities by signed distances, negative inside B");
+    add_picture_options(*parser, options->picture, options->view,
+                        "Draw A in the colours of its distances");
+    return {parser, [options](Session& session) { return run_deviation(*options, session); }};
+}
+
+} // namespace proxima

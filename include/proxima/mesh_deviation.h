@@ -1,0 +1,119 @@
+// How far one surface is from another at most and on average: to judge a simplified, repaired or
+// scanned mesh.
+//
+//     auto there = greatest_deviation(a, b);              // from each point of A to the closest of B
+//     auto back = greatest_deviation(b, a);
+//     DistanceBounds hausdorff = both_ways(there->distance, back->distance);
+//     mark(there->point_a, there->point_b);               // where A is that far from B
+//     auto mean = mean_deviation(a, b, {.histogram_bins = 20, .histogram_end = hausdorff.upper});
+//
+// All points of A count, not samples: its triangles are cut until bounds of the distance on each part
+// are as near to each other as was asked for. Answers are intervals that hold the true number, the
+// rounding of doubles included.
+//
+// How: the distance from one triangle of B is a convex function, so on a part of a triangle of A it
+// is largest at a corner and above its tangents. The first bounds what is largest, the second the
+// mean. Parts are cut where the closest triangle of B changes [guthe-2005], so that few are needed.
+//
+// Distances are those of surfaces, without sign; signed_distance.h tells inside from outside. Each
+// function looks from A to B alone: B may have parts that no point of A is close to.
+#pragma once
+
+#include "proxima/execution.h"
+#include "proxima/export.h"
+#include "proxima/geometry.h"
+#include "proxima/mesh_index.h"
+#include "proxima/result.h"
+#include "proxima/triangle_mesh.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <vector>
+
+namespace PROXIMA_EXPORT proxima {
+
+/// An interval that holds a distance, in the meshes' unit.
+struct DistanceBounds {
+    double lower = 0;
+    double upper = 0;
+};
+
+struct GreatestDeviation {
+    /// Of the one-sided Hausdorff distance: the largest distance of a point of A from B. Both 0 where
+    /// all triangles of A are triangles of B.
+    DistanceBounds distance;
+    /// A point of A whose distance from B is at least distance.lower, up to the rounding of its
+    /// coordinates, and the point of B closest to it.
+    Vec3 point_a = Vec3::Zero();
+    Vec3 point_b = Vec3::Zero();
+    TriangleId triangle_a = {};
+    TriangleId triangle_b = {};
+    std::uint64_t splits = 0; ///< how often a triangle of A or a part of one was cut
+    bool is_complete = false; ///< whether upper - lower is within the tolerance
+};
+
+/// What a search of the greatest deviation cuts at most.
+inline constexpr std::uint64_t default_deviation_splits = std::uint64_t{1} << 26U;
+
+struct GreatestDeviationOptions {
+    /// How far the bounds may be apart, in the meshes' unit. 0 = default_tolerance times the diagonal
+    /// of the box about both meshes.
+    double tolerance = 0;
+    static constexpr double default_tolerance = 1e-6;
+    std::uint64_t max_splits = default_deviation_splits; ///< then it ends with the bounds so far
+    Execution execution = {};
+};
+
+/// The one-sided Hausdorff distance from A to B. The bounds are as near to each other as
+/// options.tolerance says, but not nearer than 2^-39 times the largest coordinate, and not where
+/// max_splits or the budget end the search: is_complete tells. Where several points are as far, one
+/// of them is named. The same bits for any number of threads. One closest feature per vertex of A,
+/// and some microseconds per triangle whose distance is about the largest. Thread safe. Errors:
+/// invalid_mesh (a mesh is empty), invalid_argument (a tolerance below 0 or NaN), budget_exceeded,
+/// cancelled.
+[[nodiscard]] Result<GreatestDeviation>
+greatest_deviation(const MeshIndex& a, const MeshIndex& b,
+                   const GreatestDeviationOptions& options = {});
+
+struct MeanDeviation {
+    DistanceBounds mean;             ///< of the distance of A's points from B, by area
+    DistanceBounds root_mean_square; ///< the root of the mean of squared distances
+    double area = 0;                 ///< of A, in the square of the meshes' unit
+    /// By bin, the share of A's area at distances in it, off by as much as distances are by the
+    /// tolerance. What is beyond the end counts in the last bin.
+    std::vector<double> histogram;
+    std::uint64_t splits = 0;
+    bool is_complete = false; ///< whether the bounds of the mean are within the tolerance
+};
+
+struct MeanDeviationOptions {
+    /// How far the bounds of the mean may be apart, in the meshes' unit; those of the root mean
+    /// square are about as near. 0 = default_tolerance times the diagonal of the box about both.
+    double tolerance = 0;
+    static constexpr double default_tolerance = 1e-5;
+    /// Bins of equal widths from 0 to histogram_end; 0 = no histogram, max_histogram_bins at most.
+    std::uint32_t histogram_bins = 0;
+    double histogram_end = 0;
+    std::uint64_t max_splits = default_deviation_splits; ///< in equal shares of 64 or more to A's
+                                                         ///< triangles
+    Execution execution = {};
+};
+
+inline constexpr std::uint32_t max_histogram_bins = 4096;
+
+/// The mean distance of A's points from B, by area. The same bits for any number of threads. Some
+/// microseconds for each triangle of A and each of B that it is close to. Thread safe. Errors:
+/// invalid_mesh (a mesh is empty, or A has no area), invalid_argument (a tolerance below 0 or NaN,
+/// bins without an end or too many), budget_exceeded, cancelled.
+[[nodiscard]] Result<MeanDeviation> mean_deviation(const MeshIndex& a, const MeshIndex& b,
+                                                   const MeanDeviationOptions& options = {});
+
+/// The Hausdorff distance of two surfaces from both one-sided ones.
+[[nodiscard]] inline DistanceBounds both_ways(const DistanceBounds& there,
+                                              const DistanceBounds& back) noexcept
+{
+    return {std::max(there.lower, back.lower), std::max(there.upper, back.upper)};
+}
+
+} // namespace proxima
