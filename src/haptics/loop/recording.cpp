@@ -3,18 +3,21 @@
 #include "base/binary_file.h"
 #include "base/text.h"
 #include "haptics/loop/check_recording.h"
+#include "haptics/loop/recorded_images.h"
 #include "haptics/loop/recorded_numbers.h"
 #include "haptics/loop/recording_rows.h"
 #include "proxima/touch_scene.h"
 
 #include <bit>
+#include <optional>
 #include <utility>
+#include <vector>
 
 namespace proxima {
 
 namespace {
 
-constexpr FileFormat format = {{'P', 'X', 'T', 'O', 'U', 'C', 'H', '\n'}, 5, "recording"};
+constexpr FileFormat format = {{'P', 'X', 'T', 'O', 'U', 'C', 'H', '\n'}, 6, "recording"};
 
 enum Section : std::uint32_t {
     fingerprint_section = 1,
@@ -26,11 +29,13 @@ enum Section : std::uint32_t {
     room_section = 7,      ///< since version 5
     messages_section = 8,
     textures_section = 9 ///< of the settings, then of each object
+    // Since version 6 those of recorded_images.h.
 };
 constexpr std::uint32_t first_version_with_objects = 3;
 constexpr std::uint32_t first_version_with_force_laws = 4;
 constexpr std::uint32_t first_version_with_messages = 5;
 constexpr std::uint32_t first_version_with_textures = 5;
+constexpr std::uint32_t first_version_with_images = 6;
 
 static_assert(sizeof(RecordedTick) == 13 * sizeof(double) + 4 * sizeof(std::uint32_t));
 
@@ -54,18 +59,26 @@ Status read_textures(const BinaryFile& file, RecordingSettings& settings)
                     concat("there are ", rows->size(), " textures and must be ",
                            settings.objects.size() + 1, ": record the session again"));
     }
+    std::optional<RecordedImages> images;
+    if (file.version() >= first_version_with_images) {
+        auto read = RecordedImages::read(file, rows->size());
+        if (!read) return tl::unexpected(read.error());
+        images = std::move(*read);
+    }
     for (std::size_t i = 0; i < rows->size(); ++i) {
         const TextureNumbers& row = (*rows)[i];
         const std::string of = concat("texture ", i, ": ");
-        constexpr auto last_shape = static_cast<int>(BumpShape::noise);
+        constexpr auto last_shape = static_cast<int>(BumpShape::image);
         Status status = check_choice(of + "shape", row.shape, last_shape);
         if (status) status = check_choice(of + "is_there", row.is_there, 1);
         if (!status) return status;
         if (row.is_there == 0) continue;
+        SurfaceTexture texture = texture_of(row);
+        if (images) texture.bump.image = images->image_of(i);
         if (i == 0) {
-            settings.render.texture = texture_of(row);
+            settings.render.texture = std::move(texture);
         } else {
-            settings.objects[i - 1].texture = texture_of(row);
+            settings.objects[i - 1].texture = std::move(texture);
         }
     }
     return {};
@@ -230,17 +243,19 @@ Status save_recording(const Recording& recording, const std::filesystem::path& p
         messages.push_back(recording_row(message));
     const auto law = static_cast<std::uint32_t>(recording.settings.law);
     const double room = recording.settings.room;
-    const std::array<BinarySection, 9> sections = {
-        {{fingerprint_section, sizeof fingerprint, std::as_bytes(std::span(&fingerprint, 1))},
-         {settings_section, sizeof settings, std::as_bytes(std::span(&settings, 1))},
-         {ticks_section, sizeof(RecordedTick), std::as_bytes(std::span(recording.ticks))},
-         {objects_section, sizeof(ObjectNumbers), std::as_bytes(std::span(objects))},
-         {fingerprints_of_objects_section, sizeof(std::uint64_t),
-          std::as_bytes(std::span(fingerprints))},
-         {force_law_section, sizeof law, std::as_bytes(std::span(&law, 1))},
-         {room_section, sizeof room, std::as_bytes(std::span(&room, 1))},
-         {messages_section, sizeof(MessageNumbers), std::as_bytes(std::span(messages))},
-         {textures_section, sizeof(TextureNumbers), std::as_bytes(std::span(textures))}}};
+    std::vector<BinarySection> sections = {
+        {fingerprint_section, sizeof fingerprint, std::as_bytes(std::span(&fingerprint, 1))},
+        {settings_section, sizeof settings, std::as_bytes(std::span(&settings, 1))},
+        {ticks_section, sizeof(RecordedTick), std::as_bytes(std::span(recording.ticks))},
+        {objects_section, sizeof(ObjectNumbers), std::as_bytes(std::span(objects))},
+        {fingerprints_of_objects_section, sizeof(std::uint64_t),
+         std::as_bytes(std::span(fingerprints))},
+        {force_law_section, sizeof law, std::as_bytes(std::span(&law, 1))},
+        {room_section, sizeof room, std::as_bytes(std::span(&room, 1))},
+        {messages_section, sizeof(MessageNumbers), std::as_bytes(std::span(messages))},
+        {textures_section, sizeof(TextureNumbers), std::as_bytes(std::span(textures))}};
+    const RecordedImages images(recording.settings);
+    images.append_sections(sections);
     return write_binary_file(path, format, sections, progress);
 }
 
