@@ -1,7 +1,7 @@
 // Feeds files with right checksums and any content to the loader of recordings, and replays the
 // first ticks of what it accepts, as `proxima touch --device replay:FILE` does: forces are finite and
 // within the device's limit. Whatever the fingerprints say, the cube is touched. Seeds are a session
-// with one model, with penalty forces, with a scene of three objects, and with textures.
+// with one model, with penalty forces, with a scene of three objects, with textures, and with an image.
 #include "base/binary_file.h"
 #include "base/check.h"
 #include "exact_copy.h"

@@ -219,12 +219,17 @@ Status run_touch(TouchCommandOptions options, Session& session)
     if (Status status = check_options(options); !status) return status;
     if (Status status = check_engine_options(options); !status) return status;
     if (Status status = check_self_test_options(options); !status) return status;
+    const bool replays = options.device.starts_with(replay_prefix);
+    if (!replays) {
+        auto images = read_texture_images(options.objects.textures, &session.progress());
+        if (!images) return tl::unexpected(images.error());
+        options.objects.images = std::move(*images);
+    }
     if (options.self_test) return run_self_test(options, session);
     if (!options.tool.tool.empty())
         return run_tool(options.tool, options.model, options.record, settings_of(options), session);
     if (Status status = check_picture(options, session); !status) return status;
-    return options.device.starts_with(replay_prefix) ? run_replay(options, session)
-                                                     : run_device(options, session);
+    return replays ? run_replay(options, session) : run_device(options, session);
 }
 
 } // namespace

@@ -161,7 +161,7 @@ TouchSettings settings_of(const TouchCommandOptions& options)
         settings.law = ForceLaw::penalty;
         settings.render.static_friction = settings.render.dynamic_friction = 0;
     }
-    settings.render.texture = common_texture(options.objects.textures);
+    settings.render.texture = common_texture(options.objects.textures, options.objects.images);
     settings.pace = options.free_running ? Pace::unpaced : Pace::real_time;
     settings.record = !options.record.empty();
     settings.trace = !options.picture.empty();

@@ -109,23 +109,24 @@ tl::unexpected<Error> no_object(const std::string& text, std::size_t object, std
 /// Whatever object it is of, if of one.
 Status check_texture_text(std::string_view text)
 {
-    const auto numbered = split_number(text);
+    const auto numbered = is_of_object(text) ? split_number(text) : std::nullopt;
     if (!numbered && is_of_object(text))
         return no_such("texture", text, concat("TEXTURE or N=TEXTURE; TEXTURE is ", texture_forms));
-    const auto texture = with_effect({}, numbered ? numbered->rest : text);
-    return texture ? Status() : tl::unexpected(texture.error());
+    return check_effect(numbered ? numbered->rest : text);
 }
 
 /// Gives the objects of a plan the textures that are theirs alone, on top of what all have.
-Status give_textures(const std::vector<std::string>& texts, ScenePlan& plan)
+Status give_textures(const ObjectOptions& options, ScenePlan& plan)
 {
-    for (const std::string& text : texts) {
+    const TextureImages& images = options.images;
+    for (const std::string& text : options.textures) {
         if (!is_of_object(text)) continue;
         const Numbered numbered = *split_number(text);
         if (numbered.object >= plan.objects.size())
             return no_object(text, numbered.object, plan.objects.size(), "--texture");
         auto& texture = plan.objects[numbered.object].texture;
-        texture = *with_effect(texture.value_or(common_texture(texts)), numbered.rest);
+        if (!texture) texture = common_texture(options.textures, images);
+        texture = with_effect(*texture, numbered.rest, images);
     }
     return {};
 }
@@ -221,7 +222,7 @@ Result<ScenePlan> plan_scene(const std::string& model, const ObjectOptions& opti
             plan.objects[i].material = *parse_material(text, usual);
         });
     }
-    if (status) status = give_textures(options.textures, plan);
+    if (status) status = give_textures(options, plan);
     if (!status) return tl::unexpected(status.error());
     return plan;
 }

@@ -25,6 +25,7 @@ struct ObjectOptions {
     std::vector<std::string> motions;
     std::vector<std::string> materials;
     std::vector<std::string> textures; ///< "N=..." or for all that is touched
+    TextureImages images;              ///< that textures name, once they are read
 
     /// Whether a scene is asked for, and not one model at rest.
     [[nodiscard]] bool any() const

@@ -1,11 +1,14 @@
 """proxima touch: sessions of a simulated hand and of devices, recordings and their replay."""
 import json
+import math
 import os
 import pty
 import signal
+import struct
 import subprocess
 import time
 import unittest
+import zlib
 from pathlib import Path
 
 from proxima_program import PROXIMA, ProgramTest
@@ -14,6 +17,26 @@ from udp_hand import free_port
 
 SCRIPTS = ("press", "slide", "stroke", "corner", "poke", "walk")
 STUB_HD, STUB_DHD = os.environ.get("STUB_HD", ""), os.environ.get("STUB_DHD", "")
+
+
+PNG_START = b"\x89PNG\r\n\x1a\n"
+
+
+def chunk(kind, content):
+    return struct.pack(">I", len(content)) + kind + content + struct.pack(">I", zlib.crc32(kind + content))
+
+
+def grey_png(width, height, bits, greys):
+    """A PNG of grey values, row by row from the top."""
+    form = ">" + str(width) + ("H" if bits == 16 else "B")
+    rows = b"".join(b"\0" + struct.pack(form, *greys[width * y:width * (y + 1)]) for y in range(height))
+    return (PNG_START + chunk(b"IHDR", struct.pack(">IIBBBBB", width, height, bits, 0, 0, 0, 0)) + chunk(b"IDAT", zlib.compress(rows)) +
+            chunk(b"IEND", b""))
+
+
+def npy(kind, shape, content):
+    header = f"{{'descr': '{kind}', 'fortran_order': False, 'shape': {shape}, }}".ljust(117) + "\n"
+    return b"\x93NUMPY\x01\x00" + struct.pack("<H", len(header)) + header.encode() + content
 
 
 class Touching(ProgramTest):
@@ -155,6 +178,50 @@ class Touching(ProgramTest):
         self.refuse(*session, "--texture", "1=viscosity:1", says=("--texture", "no object 1"))
         self.refuse(*session, "--texture", "viscosity:1", "--force", "penalty", says=("--force", "--texture"))
         self.refuse("touch", "icosphere:3", "--device", f"replay:{recording}", "--texture", "viscosity:1", says="--texture")
+
+    def test_images_are_felt_and_replay(self):
+        """As pictures and as arrays, of all that is touched and of an object alone."""
+        recording = self.folder / "image.pxt"
+        width, height = 12, 8
+        greys = [round(127.5 + 127.5 * math.cos(2 * math.pi * (x / width + 2 * y / height))) for y in range(height) for x in range(width)]
+        picture = self.file("waves, 3=a.png", grey_png(width, height, 8, greys))
+        array = self.file("waves.npy", npy("|u1", (height, width), bytes(greys)))
+        deep = self.file("deep.png", grey_png(width, height, 16, [257 * grey for grey in greys]))
+        session = ("touch", "icosphere:3", "--device", "hand:slide", "--seconds", 2, "--free-running")
+        plain = self.json_of(*session)
+        report = self.json_of(*session, "--texture", f"image:{picture},0.0002,0.01", "--record", recording)
+        texture = report["texture"]
+        self.assertEqual((texture["bump"], texture["image"], texture["wavelength"]), ("image", [width, height], 0.01))
+        self.assertEqual(texture["direction"], [0, 0, 1])
+        self.assertLess(texture["amplitude"], 0.0002)  # limited by the device
+        self.assertEqual((report["passes"], report["softenings"]), (0, 0))
+        self.assertNotEqual(report["max_force"], plain["max_force"])
+        self.assertIn("texture: image, 12 x 8, of", self.succeed(*session, "--texture", f"image:{picture},0.0002,0.01"))
+        session_file = recording.read_bytes()
+        picture.unlink()  # the recording has it
+        again = self.json_of("touch", "icosphere:3", "--device", f"replay:{recording}")
+        self.assertEqual((again["replay_differences"], again["texture"]), (0, texture))
+        for same in (array, deep):
+            self.succeed(*session, "--texture", f"image:{same},0.0002,0.01,0,0,1", "--record", recording)
+            self.assertEqual(recording.read_bytes(), session_file, same)
+        self.succeed(*session, "--texture", f"image:{array},0.0002,0.01,0,1,0", "--record", recording)
+        self.assertNotEqual(recording.read_bytes(), session_file)
+
+        scene = (*session, "--object", "cube", "--pose", "1=0,0,2.2", "--texture", "viscosity:1", "--texture", f"1=image:{array},1e-5,0.01")
+        ball, cube = self.json_of(*scene, "--record", recording)["objects"]
+        self.assertIsNone(ball["texture"])
+        self.assertEqual((cube["texture"]["image"], cube["texture"]["viscosity"]), ([width, height], 1))
+        again = self.json_of("touch", "icosphere:3", "--object", "cube", "--device", f"replay:{recording}")
+        self.assertEqual((again["replay_differences"], again["objects"][1]["texture"]), (0, cube["texture"]))
+
+        for text in ("image", "image:", "image:1e-5,0.01", f"image:{array}", f"image:{array},1e-5", f"image:{array},1,0.01",
+                     f"image:{array},1e-5,0", f"image:{array},1e-5,0.01,0,0,0", f"=image:{array},1e-5,0.01"):
+            self.refuse(*session, "--texture", text, status=2, says="--texture")
+        colours = self.file("colours.png", PNG_START + chunk(b"IHDR", struct.pack(">IIBBBBB", 1, 1, 8, 2, 0, 0, 0)) + chunk(b"IDAT", b""))
+        for name, says in ((self.folder / "none.png", "none.png"), (colours, "not a grey one"), (recording, "neither a PNG"),
+                           (self.file("high.npy", npy("<f4", (1, 2), struct.pack("<ff", 0, 7))), "row 0, column 1")):
+            self.refuse(*session, "--texture", f"image:{name},1e-5,0.01", says=says)
+            self.refuse(*session, "--object", "cube", "--texture", f"1=image:{name},1e-5,0.01", says=says)
 
     def test_shaded_forces_replay(self):
         recording = self.folder / "shaded.pxt"

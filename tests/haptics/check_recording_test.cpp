@@ -1,8 +1,10 @@
 // Recordings of forged files: refused with the field's name, or replayed without harm.
+#include "base/binary_file.h"
 #include "damaged_files.h"
 #include "exact_copy.h"
 #include "folder_test.h"
 #include "haptics/force/surface_renderer.h"
+#include "haptics/height_images.h"
 #include "haptics/loop/recording.h"
 #include "haptics/scene/scripted_scene.h"
 #include "haptics/scenes_to_touch.h"
@@ -10,10 +12,15 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cstring>
+#include <filesystem>
 #include <fstream>
 #include <functional>
 #include <iterator>
 #include <limits>
+#include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -37,7 +44,13 @@ Recording scene_recording()
     recording.settings.objects[3].script = {
         .kind = ObjectMotionKind::swing, .along = Vec3::UnitX(), .seconds = 1};
     recording.settings.objects[3].material = SurfaceMaterial{};
-    recording.settings.objects[3].texture = SurfaceTexture{};
+    // Object 3 shares its image with the settings, object 2 has one of its own.
+    const Bump image = {
+        .shape = BumpShape::image, .amplitude = 1e-4, .image = random_image(1, 5, 3)};
+    recording.settings.render.texture.bump = image;
+    recording.settings.objects[2].texture = SurfaceTexture{
+        .bump = {.shape = BumpShape::image, .amplitude = 1e-4, .image = random_image(2, 2, 7)}};
+    recording.settings.objects[3].texture = SurfaceTexture{.bump = image};
     recording.ticks.resize(20);
     recording.messages.resize(2);
     recording.messages[0].has_motion = recording.messages[1].has_material = true;
@@ -272,13 +285,142 @@ TEST_F(ForgedRecordingTest, RefusesEveryTruncationAndExtension)
     });
 }
 
+TEST_F(ForgedRecordingTest, KeepsImagesOnceEach)
+{
+    const Recording recording = scene_recording();
+    const auto loaded = reloaded(recording);
+    ASSERT_TRUE(loaded) << describe(loaded.error());
+    const auto image_of = [](const std::optional<SurfaceTexture>& texture) {
+        return texture ? texture->bump.image : std::nullopt;
+    };
+    const RecordingSettings& settings = loaded->settings;
+    EXPECT_FALSE(image_of(settings.objects[0].texture));
+    EXPECT_FALSE(image_of(settings.objects[1].texture));
+    for (const std::size_t object : {2, 3}) {
+        const HeightImage before = *image_of(recording.settings.objects[object].texture);
+        const HeightImage after = *image_of(settings.objects[object].texture);
+        EXPECT_EQ(after.columns(), before.columns());
+        EXPECT_TRUE(std::ranges::equal(after.samples(), before.samples()));
+    }
+    EXPECT_EQ(&image_of(settings.objects[3].texture)->parts(),
+              &settings.render.texture.bump.image->parts());
+    // One that another shape ignores is not kept.
+    Recording noise = recording;
+    noise.settings.objects[2].texture->bump.shape = BumpShape::noise;
+    const auto again = reloaded(noise);
+    ASSERT_TRUE(again);
+    EXPECT_FALSE(image_of(again->settings.objects[2].texture));
+}
+
+/// An entry of the table of a file of sections.
+struct SectionEntry {
+    std::uint32_t id;
+    std::uint32_t element_bytes;
+    std::uint64_t offset;
+    std::uint64_t bytes;
+    std::uint64_t checksum;
+};
+
+/// A file's bytes with others at a position within a section, and right checksums.
+template <class T>
+std::string forged(std::string bytes, std::uint32_t section, std::size_t element, T value)
+{
+    std::uint32_t count = 0;
+    std::memcpy(&count, bytes.data() + 16, sizeof count);
+    for (std::uint32_t i = 0; i < count; ++i) {
+        SectionEntry entry;
+        std::memcpy(&entry, bytes.data() + 40 + i * sizeof entry, sizeof entry);
+        if (entry.id != section) continue;
+        std::memcpy(&bytes[entry.offset + element * sizeof value], &value, sizeof value);
+    }
+    reseal_binary_file(std::as_writable_bytes(std::span(bytes)));
+    return bytes;
+}
+
+Result<Recording> load_bytes(const std::string& bytes)
+{
+    const auto copy = exact_copy(bytes.data(), bytes.size());
+    return load_recording({copy.get(), bytes.size()}, copy, "memory");
+}
+
+std::string file_bytes(const std::filesystem::path& path)
+{
+    std::ifstream stream(path, std::ios::binary);
+    return {std::istreambuf_iterator<char>(stream), {}};
+}
+
+TEST_F(ForgedRecordingTest, ForgedImagesAreNamed)
+{
+    const auto file = folder() / "session.pxt";
+    ASSERT_TRUE(save_recording(scene_recording(), file));
+    const std::string bytes = file_bytes(file);
+    const auto message = [](const std::string& some) {
+        const auto loaded = load_bytes(some);
+        if (loaded) return std::string();
+        EXPECT_EQ(loaded.error().code, ErrorCode::malformed_file);
+        return loaded.error().message;
+    };
+    constexpr std::uint32_t sizes = 10;
+    constexpr std::uint32_t numbers = 11;
+    constexpr std::uint32_t samples = 17; // of image 1
+    ASSERT_EQ(message(forged<std::uint32_t>(bytes, numbers, 0, 0)), "");
+    // Sizes that the file's bytes do not bear out, be they as many samples in another order or not.
+    for (const std::uint32_t columns : {0U, 1U, 3U, 0xffffffffU}) {
+        EXPECT_EQ(message(forged(bytes, sizes, 2, columns))
+                      .find("image 1: there are 14 samples of " + std::to_string(columns) + " x 7"),
+                  0U);
+    }
+    EXPECT_EQ(message(forged(bytes, sizes, 0, std::uint64_t{1} << 63U | 0x80000000U))
+                  .find("image 0: there are 15 samples of 2147483648 x 2147483648"),
+              0U);
+    EXPECT_EQ(message(forged(bytes, sizes, 0, std::uint64_t{15})), // no rows
+              "image 0: there are 15 samples of 15 x 0: record the session again");
+    for (const float wrong : {-1e-9F, 1.1F, std::numeric_limits<float>::quiet_NaN()}) {
+        EXPECT_EQ(message(forged(bytes, samples, 13, wrong))
+                      .find("image 1: the sample in row 6, column 1"),
+                  0U);
+    }
+    EXPECT_EQ(message(forged<std::uint32_t>(bytes, numbers, 3, 2)),
+              "texture 3: its image is 2, and there are 2: record the session again");
+    EXPECT_NE(message(forged<std::uint32_t>(bytes, numbers, 3, 0xffffffff))
+                  .find("object 2: the bump of a texture is an image and has none"),
+              std::string::npos);
+}
+
+TEST_F(ForgedRecordingTest, OlderVersionsAreReadWithoutImages)
+{
+    const std::filesystem::path corpus =
+        std::filesystem::path(PROXIMA_SOURCE_DIR) / "fuzz/corpus/recording";
+    for (const char* const name : {"cube.pxt", "penalty.pxt", "scene.pxt", "textured.pxt"}) {
+        const std::string old = file_bytes(corpus / name);
+        ASSERT_LT(old[12], 6) << name;
+        const auto loaded = load_bytes(old);
+        ASSERT_TRUE(loaded) << name << ": " << describe(loaded.error());
+        const auto again = reloaded(*loaded);
+        ASSERT_TRUE(again) << name;
+        EXPECT_EQ(again->ticks, loaded->ticks);
+        EXPECT_EQ(file_bytes(folder() / "session.pxt")[12], 6) << name;
+    }
+    // An image in a file that says it is older than images are.
+    const auto file = folder() / "session.pxt";
+    ASSERT_TRUE(save_recording(scene_recording(), file));
+    std::string bytes = file_bytes(file);
+    bytes[12] = 5;
+    reseal_binary_file(std::as_writable_bytes(std::span(bytes)));
+    const auto loaded = load_bytes(bytes);
+    ASSERT_FALSE(loaded);
+    EXPECT_NE(loaded.error().message.find("is an image and has none"), std::string::npos);
+}
+
 /// Replays a scene of cubes; every force must be finite and within the limit.
 void replay(const Recording& recording)
 {
     const RecordingSettings& settings = recording.settings;
     std::vector<TouchBody> bodies;
-    for (const ScriptedObject& object : settings.objects)
-        bodies.push_back(body_of(*sample_mesh("cube"), {.material = object.material}));
+    for (const ScriptedObject& object : settings.objects) {
+        bodies.push_back(body_of(*sample_mesh("cube"),
+                                 {.material = object.material, .texture = object.texture}));
+    }
     auto scene = ScriptedScene::make(bodies, settings.objects, settings.room);
     ASSERT_TRUE(scene) << describe(scene.error());
     const DeviceLimits device = {.max_force = settings.max_force,

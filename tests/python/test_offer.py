@@ -272,6 +272,7 @@ LEFT_OUT = {
         "TouchBody.mesh": "Index.mesh has it", "TouchScene.advance SceneTick.exchanged SceneTick.moved SceneTick.seconds": STRUCTURE,
         "TouchScene.velocity": NOT_YET, "scene_triangle to_index": NAMES,
         "SurfaceTexture.any Bump.any StickSlip.any Tap.any": "arithmetic of numbers",
+        "build_height_image Bump.image HeightImage.columns HeightImage.rows HeightImage.samples HeightImage.parts": NOT_YET,
         "open_engine_channel EngineChannel.receive EngineChannel.report EngineChannel.send EngineChannel.trouble "
         "EngineReport.accepted EngineReport.duplicated EngineReport.foreign EngineReport.leapt EngineReport.lost "
         "EngineReport.malformed EngineReport.materials EngineReport.motions EngineReport.other_versions EngineReport.received "

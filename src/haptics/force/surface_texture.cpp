@@ -67,22 +67,23 @@ TextureTick TextureForce::pass(const ProxyTick& proxy, const TexturedContact& co
     Tap tap{.gain = 0, .frequency = 0, .decay = 0};
     TextureTick tick{.acts = true};
     for (const Contact& each : contacts_of(proxy)) {
-        const SurfaceTexture texture = limited(texture_of(each), contact.stiffness, device_);
+        const SurfaceTexture& texture = texture_of(each);
+        const TextureStrengths strengths = limited_strengths(texture, contact.stiffness, device_);
         const double part = each.pressure;
         pressures += part;
-        tick.viscosity += part * texture.viscosity;
-        if (texture.stick_slip.any()) {
-            stick_slip.stiffness += part * texture.stick_slip.stiffness;
-            stick_slip.max_force += part * texture.stick_slip.max_force;
+        tick.viscosity += part * strengths.viscosity;
+        if (strengths.stick_slip.any()) {
+            stick_slip.stiffness += part * strengths.stick_slip.stiffness;
+            stick_slip.max_force += part * strengths.stick_slip.max_force;
         }
-        tap.gain += part * texture.tap.gain;
-        tap.frequency += part * texture.tap.frequency;
-        tap.decay += part * texture.tap.decay;
+        tap.gain += part * strengths.tap.gain;
+        tap.frequency += part * strengths.tap.frequency;
+        tap.decay += part * strengths.tap.decay;
         if (!texture.bump.any()) continue;
         const RigidTransform pose =
             properties_ != nullptr ? properties_->pose(each.triangle) : RigidTransform{};
         const Vec3 local = pose.rotation.transpose() * (each.point - pose.translation);
-        const Groove own = groove_at(texture.bump, local / units_per_metre_);
+        const Groove own = groove_at(texture.bump, strengths.amplitude, local / units_per_metre_);
         groove.depth += part * own.depth;
         groove.slope += part * (pose.rotation * own.slope);
     }

@@ -3,18 +3,21 @@
 #include "base/binary_file.h"
 #include "base/text.h"
 #include "haptics/loop/check_recording.h"
+#include "haptics/loop/recorded_images.h"
 #include "haptics/loop/recorded_numbers.h"
-#include "proxima/topology.h"
+#include "haptics/loop/recording_rows.h"
 #include "proxima/touch_scene.h"
 
 #include <bit>
+#include <optional>
 #include <utility>
+#include <vector>
 
 namespace proxima {
 
 namespace {
 
-constexpr FileFormat format = {{'P', 'X', 'T', 'O', 'U', 'C', 'H', '\n'}, 5, "recording"};
+constexpr FileFormat format = {{'P', 'X', 'T', 'O', 'U', 'C', 'H', '\n'}, 6, "recording"};
 
 enum Section : std::uint32_t {
     fingerprint_section = 1,
@@ -26,82 +29,15 @@ enum Section : std::uint32_t {
     room_section = 7,      ///< since version 5
     messages_section = 8,
     textures_section = 9 ///< of the settings, then of each object
+    // Since version 6 those of recorded_images.h.
 };
 constexpr std::uint32_t first_version_with_objects = 3;
 constexpr std::uint32_t first_version_with_force_laws = 4;
 constexpr std::uint32_t first_version_with_messages = 5;
 constexpr std::uint32_t first_version_with_textures = 5;
+constexpr std::uint32_t first_version_with_images = 6;
 
-/// The settings as numbers, in the order of the file.
-struct SettingNumbers {
-    double tick_seconds;
-    double units_per_metre;
-    double center[3];
-    double stiffness;
-    double damping;
-    double max_slew;
-    double start_seconds;
-    double loss_seconds;
-    double proxy_radius;
-    double static_friction;
-    double dynamic_friction;
-    double guard; ///< 0 off, 1 on, 2 observe
-    double max_jump;
-    double max_force;
-    double max_stiffness;
-    double max_damping;
-    double shading;
-};
-static_assert(sizeof(SettingNumbers) == 19 * sizeof(double));
 static_assert(sizeof(RecordedTick) == 13 * sizeof(double) + 4 * sizeof(std::uint32_t));
-
-/// An object of a scene, in the order of the file.
-struct ObjectNumbers {
-    double pose[12]; ///< (R | t) row by row
-    double kind;     ///< ObjectMotionKind
-    double along[3];
-    double angle;
-    double seconds;
-    double has_material; ///< 0 or 1
-    double stiffness;
-    double damping;
-    double static_friction;
-    double dynamic_friction;
-};
-static_assert(sizeof(ObjectNumbers) == 23 * sizeof(double));
-
-/// What an engine changed of an object, in the order of the file.
-struct MessageNumbers {
-    std::uint64_t tick;
-    std::uint32_t object;
-    std::uint32_t parts; ///< 1: a motion, 2: a material, 3: both
-    double pose[12];     ///< (R | t) row by row
-    double seconds;
-    double velocity[3];
-    double spin[3];
-    double coast_seconds;
-    double stiffness;
-    double damping;
-    double static_friction;
-    double dynamic_friction;
-    double material_seconds;
-};
-static_assert(sizeof(MessageNumbers) == 27 * sizeof(double));
-/// A texture, in the order of the file.
-struct TextureNumbers {
-    double is_there; ///< 0 or 1; without one the others are those of no texture
-    double shape;    ///< BumpShape
-    double amplitude;
-    double wavelength;
-    double direction[3];
-    double viscosity;
-    double stick_stiffness;
-    double stick_max_force;
-    double tap_gain;
-    double tap_frequency;
-    double tap_decay;
-};
-static_assert(sizeof(TextureNumbers) == 13 * sizeof(double));
 
 std::array<double, 3> numbers(const Vec3& v) noexcept
 {
@@ -110,164 +46,6 @@ std::array<double, 3> numbers(const Vec3& v) noexcept
 Vec3 vector(const std::array<double, 3>& v) noexcept
 {
     return {v[0], v[1], v[2]};
-}
-
-SettingNumbers numbers(const RecordingSettings& settings)
-{
-    const RenderOptions& render = settings.render;
-    const Vec3& center = settings.map.center;
-    return {settings.tick_seconds,
-            settings.map.units_per_metre,
-            {center.x(), center.y(), center.z()},
-            render.force.stiffness,
-            render.force.damping,
-            render.force.max_slew,
-            render.force.start_seconds,
-            render.force.loss_seconds,
-            render.proxy_radius,
-            render.static_friction,
-            render.dynamic_friction,
-            guard_number(render.guard),
-            render.max_jump,
-            settings.max_force,
-            settings.max_stiffness,
-            settings.max_damping,
-            render.shading == ForceShading::on ? 1.0 : 0.0};
-}
-
-RecordingSettings settings_of(const SettingNumbers& numbers, std::uint64_t fingerprint)
-{
-    RecordingSettings settings;
-    settings.mesh_fingerprint = fingerprint;
-    settings.tick_seconds = numbers.tick_seconds;
-    settings.map = {numbers.units_per_metre,
-                    Vec3(numbers.center[0], numbers.center[1], numbers.center[2])};
-    settings.render = {.force = {.stiffness = numbers.stiffness,
-                                 .damping = numbers.damping,
-                                 .max_slew = numbers.max_slew,
-                                 .start_seconds = numbers.start_seconds,
-                                 .loss_seconds = numbers.loss_seconds},
-                       .proxy_radius = numbers.proxy_radius,
-                       .static_friction = numbers.static_friction,
-                       .dynamic_friction = numbers.dynamic_friction,
-                       .guard = guard_of_number(numbers.guard),
-                       .max_jump = numbers.max_jump,
-                       .shading = numbers.shading != 0 ? ForceShading::on : ForceShading::off};
-    settings.max_force = numbers.max_force;
-    settings.max_stiffness = numbers.max_stiffness;
-    settings.max_damping = numbers.max_damping;
-    return settings;
-}
-
-void write_pose(const RigidTransform& pose, double (&numbers)[12])
-{
-    for (int row = 0; row < 3; ++row) {
-        for (int column = 0; column < 3; ++column)
-            numbers[4 * row + column] = pose.rotation(row, column);
-        numbers[4 * row + 3] = pose.translation[row];
-    }
-}
-
-MessageNumbers numbers(const SceneMessage& message)
-{
-    MessageNumbers result{};
-    result.tick = message.tick;
-    result.object = to_index(message.object);
-    result.parts = (message.has_motion ? 1U : 0U) | (message.has_material ? 2U : 0U);
-    const ObjectMotion& motion = message.motion;
-    write_pose(motion.pose, result.pose);
-    result.seconds = motion.seconds;
-    for (int axis = 0; axis < 3; ++axis) {
-        result.velocity[axis] = motion.velocity[axis];
-        result.spin[axis] = motion.spin[axis];
-    }
-    result.coast_seconds = motion.coast_seconds;
-    result.stiffness = message.material.stiffness;
-    result.damping = message.material.damping;
-    result.static_friction = message.material.static_friction;
-    result.dynamic_friction = message.material.dynamic_friction;
-    result.material_seconds = message.material_seconds;
-    return result;
-}
-
-ObjectNumbers numbers(const ScriptedObject& object)
-{
-    ObjectNumbers result{};
-    write_pose(object.pose, result.pose);
-    for (int axis = 0; axis < 3; ++axis) result.along[axis] = object.script.along[axis];
-    result.kind = static_cast<double>(object.script.kind);
-    result.angle = object.script.angle;
-    result.seconds = object.script.seconds;
-    if (!object.material) return result;
-    result.has_material = 1;
-    result.stiffness = object.material->stiffness;
-    result.damping = object.material->damping;
-    result.static_friction = object.material->static_friction;
-    result.dynamic_friction = object.material->dynamic_friction;
-    return result;
-}
-
-/// Error where the numbers make no object of a scene.
-Result<ScriptedObject> object_of(const ObjectNumbers& numbers, std::uint64_t fingerprint,
-                                 std::size_t number)
-{
-    const std::string of = concat("object ", number, ": ");
-    const auto pose = make_rigid_transform(numbers.pose);
-    if (!pose) {
-        return fail(ErrorCode::malformed_file,
-                    concat(of, "pose: ", pose.error().message, ": record the session again"));
-    }
-    constexpr auto last_kind = static_cast<int>(ObjectMotionKind::swing);
-    if (Status status = check_choice(of + "kind of motion", numbers.kind, last_kind); !status)
-        return tl::unexpected(status.error());
-    if (Status status = check_choice(of + "has_material", numbers.has_material, 1); !status)
-        return tl::unexpected(status.error());
-    ScriptedObject object;
-    object.mesh_fingerprint = fingerprint;
-    object.pose = *pose;
-    object.script.kind = static_cast<ObjectMotionKind>(numbers.kind);
-    object.script.along = Vec3(numbers.along[0], numbers.along[1], numbers.along[2]);
-    object.script.angle = numbers.angle;
-    object.script.seconds = numbers.seconds;
-    if (numbers.has_material != 0) {
-        object.material = SurfaceMaterial{.stiffness = numbers.stiffness,
-                                          .damping = numbers.damping,
-                                          .static_friction = numbers.static_friction,
-                                          .dynamic_friction = numbers.dynamic_friction};
-    }
-    return object;
-}
-
-TextureNumbers numbers(const std::optional<SurfaceTexture>& given) noexcept
-{
-    const SurfaceTexture texture = given.value_or(SurfaceTexture{});
-    const Bump& bump = texture.bump;
-    return {given ? 1.0 : 0.0,
-            static_cast<double>(bump.shape),
-            bump.amplitude,
-            bump.wavelength,
-            {bump.direction.x(), bump.direction.y(), bump.direction.z()},
-            texture.viscosity,
-            texture.stick_slip.stiffness,
-            texture.stick_slip.max_force,
-            texture.tap.gain,
-            texture.tap.frequency,
-            texture.tap.decay};
-}
-
-SurfaceTexture texture_of(const TextureNumbers& numbers) noexcept
-{
-    return {
-        .bump = {.shape = static_cast<BumpShape>(numbers.shape),
-                 .amplitude = numbers.amplitude,
-                 .wavelength = numbers.wavelength,
-                 .direction =
-                     Vec3(numbers.direction[0], numbers.direction[1], numbers.direction[2])},
-        .viscosity = numbers.viscosity,
-        .stick_slip = {.stiffness = numbers.stick_stiffness, .max_force = numbers.stick_max_force},
-        .tap = {.gain = numbers.tap_gain,
-                .frequency = numbers.tap_frequency,
-                .decay = numbers.tap_decay}};
 }
 
 /// Gives settings and objects their textures; none for files that are older.
@@ -281,18 +59,26 @@ Status read_textures(const BinaryFile& file, RecordingSettings& settings)
                     concat("there are ", rows->size(), " textures and must be ",
                            settings.objects.size() + 1, ": record the session again"));
     }
+    std::optional<RecordedImages> images;
+    if (file.version() >= first_version_with_images) {
+        auto read = RecordedImages::read(file, rows->size());
+        if (!read) return tl::unexpected(read.error());
+        images = std::move(*read);
+    }
     for (std::size_t i = 0; i < rows->size(); ++i) {
         const TextureNumbers& row = (*rows)[i];
         const std::string of = concat("texture ", i, ": ");
-        constexpr auto last_shape = static_cast<int>(BumpShape::noise);
+        constexpr auto last_shape = static_cast<int>(BumpShape::image);
         Status status = check_choice(of + "shape", row.shape, last_shape);
         if (status) status = check_choice(of + "is_there", row.is_there, 1);
         if (!status) return status;
         if (row.is_there == 0) continue;
+        SurfaceTexture texture = texture_of(row);
+        if (images) texture.bump.image = images->image_of(i);
         if (i == 0) {
-            settings.render.texture = texture_of(row);
+            settings.render.texture = std::move(texture);
         } else {
-            settings.objects[i - 1].texture = texture_of(row);
+            settings.objects[i - 1].texture = std::move(texture);
         }
     }
     return {};
@@ -319,39 +105,6 @@ Result<std::vector<ScriptedObject>> objects_of(const BinaryFile& file)
         objects.push_back(*object);
     }
     return objects;
-}
-
-/// Error where the numbers make no message; its ranges are for check_recording.
-Result<SceneMessage> message_of(const MessageNumbers& numbers, std::size_t number)
-{
-    const std::string of = concat("message ", number, ": ");
-    const auto pose = make_rigid_transform(numbers.pose);
-    if (!pose) {
-        return fail(ErrorCode::malformed_file,
-                    concat(of, "pose: ", pose.error().message, ": record the session again"));
-    }
-    if (numbers.parts < 1 || numbers.parts > 3) {
-        return fail(ErrorCode::malformed_file,
-                    concat(of, "parts is ", numbers.parts,
-                           " and must be 1 to 3: record the session again"));
-    }
-    SceneMessage message;
-    message.tick = numbers.tick;
-    message.object = ObjectId{numbers.object};
-    message.has_motion = (numbers.parts & 1U) != 0;
-    message.has_material = (numbers.parts & 2U) != 0;
-    message.motion = {.pose = *pose,
-                      .seconds = numbers.seconds,
-                      .velocity =
-                          Vec3(numbers.velocity[0], numbers.velocity[1], numbers.velocity[2]),
-                      .spin = Vec3(numbers.spin[0], numbers.spin[1], numbers.spin[2]),
-                      .coast_seconds = numbers.coast_seconds};
-    message.material = {.stiffness = numbers.stiffness,
-                        .damping = numbers.damping,
-                        .static_friction = numbers.static_friction,
-                        .dynamic_friction = numbers.dynamic_friction};
-    message.material_seconds = numbers.material_seconds;
-    return message;
 }
 
 /// Reads what an engine sent, and the room that it had. Nothing in files that are older.
@@ -473,34 +226,36 @@ bool same_response(const RecordedTick& a, const RecordedTick& b) noexcept
 Status save_recording(const Recording& recording, const std::filesystem::path& path,
                       Progress* progress)
 {
-    const SettingNumbers settings = numbers(recording.settings);
+    const SettingNumbers settings = recording_row(recording.settings);
     const std::uint64_t fingerprint = recording.settings.mesh_fingerprint;
     std::vector<ObjectNumbers> objects;
     std::vector<std::uint64_t> fingerprints;
     std::vector<TextureNumbers> textures = {
-        numbers(std::optional(recording.settings.render.texture))};
+        recording_row(std::optional(recording.settings.render.texture))};
     for (const ScriptedObject& object : recording.settings.objects) {
-        objects.push_back(numbers(object));
+        objects.push_back(recording_row(object));
         fingerprints.push_back(object.mesh_fingerprint);
-        textures.push_back(numbers(object.texture));
+        textures.push_back(recording_row(object.texture));
     }
     std::vector<MessageNumbers> messages;
     messages.reserve(recording.messages.size());
-    for (const SceneMessage& message : recording.messages) messages.push_back(numbers(message));
+    for (const SceneMessage& message : recording.messages)
+        messages.push_back(recording_row(message));
     const auto law = static_cast<std::uint32_t>(recording.settings.law);
     const double room = recording.settings.room;
-    const std::array<BinarySection, 9> sections = {
-        {{fingerprint_section, sizeof fingerprint, std::as_bytes(std::span(&fingerprint, 1))},
-         {settings_section, sizeof settings, std::as_bytes(std::span(&settings, 1))},
-         {ticks_section, sizeof(RecordedTick), std::as_bytes(std::span(recording.ticks))},
-         {objects_section, sizeof(ObjectNumbers), std::as_bytes(std::span(objects))},
-         {fingerprints_of_objects_section, sizeof(std::uint64_t),
-          std::as_bytes(std::span(fingerprints))},
-         {force_law_section, sizeof law, std::as_bytes(std::span(&law, 1))},
-         {room_section, sizeof room, std::as_bytes(std::span(&room, 1))},
-         {messages_section, sizeof(MessageNumbers), std::as_bytes(std::span(messages))},
-
-         {textures_section, sizeof(TextureNumbers), std::as_bytes(std::span(textures))}}};
+    std::vector<BinarySection> sections = {
+        {fingerprint_section, sizeof fingerprint, std::as_bytes(std::span(&fingerprint, 1))},
+        {settings_section, sizeof settings, std::as_bytes(std::span(&settings, 1))},
+        {ticks_section, sizeof(RecordedTick), std::as_bytes(std::span(recording.ticks))},
+        {objects_section, sizeof(ObjectNumbers), std::as_bytes(std::span(objects))},
+        {fingerprints_of_objects_section, sizeof(std::uint64_t),
+         std::as_bytes(std::span(fingerprints))},
+        {force_law_section, sizeof law, std::as_bytes(std::span(&law, 1))},
+        {room_section, sizeof room, std::as_bytes(std::span(&room, 1))},
+        {messages_section, sizeof(MessageNumbers), std::as_bytes(std::span(messages))},
+        {textures_section, sizeof(TextureNumbers), std::as_bytes(std::span(textures))}};
+    const RecordedImages images(recording.settings);
+    images.append_sections(sections);
     return write_binary_file(path, format, sections, progress);
 }
 

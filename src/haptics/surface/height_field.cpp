@@ -1,12 +1,14 @@
 #include "haptics/surface/height_field.h"
 
 #include "base/text.h"
+#include "haptics/surface/height_image.h"
 #include "haptics/surface/wave.h"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <limits>
 #include <numbers>
 
 namespace proxima {
@@ -94,10 +96,34 @@ Height height_at(const Bump& bump, const Vec3& turns) noexcept
         return dimples_at(turns);
     case BumpShape::noise:
         return noise_at(turns);
+    case BumpShape::image: {
+        if (!bump.image) break;
+        const ImageAxes axes = image_axes(bump.direction);
+        const ImageHeight image =
+            height_at(bump.image->parts(), axes.right.dot(turns), axes.up.dot(turns));
+        return {image.value, image.right * axes.right + image.up * axes.up};
+    }
     case BumpShape::none:
         break;
     }
     return {};
+}
+
+/// The greatest slope and curvature of h where a wavelength is 1.
+struct Steepness {
+    double slope;
+    double curvature;
+};
+
+Steepness steepness_of(const Bump& bump) noexcept
+{
+    // Of noise the greatest slope and the sum of a row of the Hessian, with 15/8 and 10/sqrt(3) those
+    // of the quintic; of waves 2 pi and its square, for dimples are three of a third.
+    constexpr double turn = 2 * std::numbers::pi;
+    if (bump.shape == BumpShape::noise) return {6.5, 39.7};
+    if (bump.shape != BumpShape::image) return {turn, turn * turn};
+    if (!bump.image) return {0, 0};
+    return {bump.image->parts().slope(), bump.image->parts().curvature()};
 }
 
 struct Range {
@@ -109,23 +135,27 @@ struct Range {
 
 } // namespace
 
-Groove groove_at(const Bump& bump, const Vec3& position) noexcept
+Groove groove_at(const Bump& bump, double amplitude, const Vec3& position) noexcept
 {
     const Vec3 turns = position / bump.wavelength;
-    if (!bump.any() || !(turns.norm() < most_turns)) return {};
+    if (bump.shape == BumpShape::none || !(amplitude > 0) || !(turns.norm() < most_turns))
+        return {};
     const Height height = height_at(bump, turns);
-    return {bump.amplitude * std::max(1 - height.value, 0.0),
-            -bump.amplitude / bump.wavelength * height.slope};
+    return {amplitude * std::max(1 - height.value, 0.0),
+            -amplitude / bump.wavelength * height.slope};
+}
+
+Groove groove_at(const Bump& bump, const Vec3& position) noexcept
+{
+    return groove_at(bump, bump.amplitude, position);
 }
 
 double most_amplitude(const Bump& bump, double stiffness, const DeviceLimits& device) noexcept
 {
-    // Of noise the greatest slope and the sum of a row of the Hessian, with 15/8 and 10/sqrt(3) those
-    // of the quintic; of waves 2 pi and its square, for dimples are three of a third.
-    constexpr double turn = 2 * std::numbers::pi;
-    const bool noise = bump.shape == BumpShape::noise;
-    const double slope = (noise ? 6.5 : turn) / bump.wavelength;
-    const double curvature = (noise ? 39.7 : turn * turn) / (bump.wavelength * bump.wavelength);
+    const Steepness steepest = steepness_of(bump);
+    if (!(steepest.curvature > 0)) return std::numeric_limits<double>::infinity(); // it is flat
+    const double slope = steepest.slope / bump.wavelength;
+    const double curvature = steepest.curvature / (bump.wavelength * bump.wavelength);
     const double push = device.max_force * curvature;
     const double root =
         std::sqrt(push * push + 4 * stiffness * slope * slope * device.max_stiffness);
@@ -133,19 +163,33 @@ double most_amplitude(const Bump& bump, double stiffness, const DeviceLimits& de
     return std::min(stable, 1 / slope);
 }
 
+TextureStrengths limited_strengths(const SurfaceTexture& texture, double stiffness,
+                                   const DeviceLimits& device) noexcept
+{
+    TextureStrengths strengths;
+    strengths.amplitude = texture.bump.amplitude;
+    if (texture.bump.any()) {
+        strengths.amplitude =
+            std::min(strengths.amplitude, most_amplitude(texture.bump, stiffness, device));
+    }
+    strengths.viscosity = std::min(texture.viscosity, most_texture_damping(device));
+    strengths.stick_slip = {
+        .stiffness = std::min({texture.stick_slip.stiffness, most_stick_part * device.max_stiffness,
+                               most_stick_stiffness}),
+        .max_force = std::min(texture.stick_slip.max_force, device.max_force)};
+    strengths.tap = texture.tap;
+    strengths.tap.gain = std::min(texture.tap.gain, most_tap_gain);
+    return strengths;
+}
+
 SurfaceTexture limited(SurfaceTexture texture, double stiffness,
                        const DeviceLimits& device) noexcept
 {
-    if (texture.bump.any()) {
-        texture.bump.amplitude =
-            std::min(texture.bump.amplitude, most_amplitude(texture.bump, stiffness, device));
-    }
-    texture.viscosity = std::min(texture.viscosity, most_texture_damping(device));
-    texture.stick_slip.stiffness =
-        std::min({texture.stick_slip.stiffness, most_stick_part * device.max_stiffness,
-                  most_stick_stiffness});
-    texture.stick_slip.max_force = std::min(texture.stick_slip.max_force, device.max_force);
-    texture.tap.gain = std::min(texture.tap.gain, most_tap_gain);
+    const TextureStrengths strengths = limited_strengths(texture, stiffness, device);
+    texture.bump.amplitude = strengths.amplitude;
+    texture.viscosity = strengths.viscosity;
+    texture.stick_slip = strengths.stick_slip;
+    texture.tap = strengths.tap;
     return texture;
 }
 
@@ -169,6 +213,11 @@ Status check_texture(const SurfaceTexture& texture)
         return fail(ErrorCode::invalid_argument,
                     concat("the ", range.name, " of a texture is ", range.value, " and must be ",
                            range.least, " to ", range.most),
+                    "texture");
+    }
+    if (bump.shape == BumpShape::image && !bump.image) {
+        return fail(ErrorCode::invalid_argument,
+                    "the bump of a texture is an image and has none: give one, or another shape",
                     "texture");
     }
     return {};

@@ -25,9 +25,12 @@ struct Groove {
 /// known any more, beyond 2^52 wavelengths. noexcept, O(1).
 [[nodiscard]] Groove groove_at(const Bump& bump, const Vec3& position) noexcept;
 
+/// Like groove_at(bump, position), of another amplitude than the bump's.
+[[nodiscard]] Groove groove_at(const Bump& bump, double amplitude, const Vec3& position) noexcept;
+
 /// The largest amplitude, m, at which grooves are no steeper than 45 degrees and add no more than
 /// max_stiffness across the surface to a force of max_force: K s^2 A^2 + F c A <= max_stiffness, with
-/// s and c the greatest slope and curvature of h.
+/// s and c the greatest slope and curvature of h. Infinite for an image that is flat.
 [[nodiscard]] double most_amplitude(const Bump& bump, double stiffness,
                                     const DeviceLimits& device) noexcept;
 
@@ -37,6 +40,19 @@ struct Groove {
 {
     return 0.25 * device.max_damping;
 }
+
+/// The numbers of a texture that a device's limits bound.
+struct TextureStrengths {
+    double amplitude = 0; ///< m
+    double viscosity = 0; ///< N s/m
+    StickSlip stick_slip;
+    Tap tap;
+};
+
+/// They within a device's limits, on a surface of a stiffness. For ticks: unlike limited() it copies no
+/// image. noexcept, O(1).
+[[nodiscard]] TextureStrengths limited_strengths(const SurfaceTexture& texture, double stiffness,
+                                                 const DeviceLimits& device) noexcept;
 
 /// The texture within a device's limits, on a surface of a stiffness. noexcept, O(1).
 [[nodiscard]] SurfaceTexture limited(SurfaceTexture texture, double stiffness,
