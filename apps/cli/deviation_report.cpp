@@ -154,10 +154,11 @@ Status write_deviation_histogram(const DeviationHistogram& histogram, const std:
         }
         csv += '\n';
     }
-    constexpr double headroom = 105; // percent, and some more
+    // In percent, up to a number that gives round steps, and some room.
+    const double top = 5 * std::ceil(21 * most);
     PlotWords words{.title = title, .x = "distance", .y = "share of the area, percent"};
     for (const std::string& name : histogram.names) words.series.push_back(name);
-    Plot plot(linear_scale(histogram.end), linear_scale(std::max(headroom * most, 1.0)), words);
+    Plot plot(linear_scale(histogram.end), linear_scale(std::max(top, 5.0)), words);
     for (std::size_t series = 0; series < histogram.shares.size(); ++series) {
         double before = 0;
         for (std::size_t i = 0; i <= bins; ++i) {

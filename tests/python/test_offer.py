@@ -14,6 +14,7 @@ NO_PART_OF_IT = {
     "contacts.h": "not bound yet, `proxima contacts --json` answers",
     "export.h": "for compilers",
     "function_ref.h": "C++ callbacks",
+    "mesh_deviation.h": "not bound yet, `proxima deviation --json` does it",
     "proxima.h": "includes the others",
     "scene.h": "scenes of placed indexes: not bound yet, `proxima scene` does it",
     "time_of_contact.h": "not bound yet, `proxima contact-time --json` answers",

@@ -1,0 +1,89 @@
+"""proxima deviation as its users run it, against numbers that are known."""
+import csv
+import math
+import struct
+import unittest
+
+from proxima_program import ProgramTest
+
+WAY = ["greatest", "complete", "point_a", "point_b", "triangle_a", "triangle_b", "splits", "seconds"]
+MEAN = ["mean", "root_mean_square", "mean_complete", "area", "histogram", "mean_splits", "mean_seconds"]
+
+# Two squares over [-1, 1]^2, and a ramp.
+FLAT = "OFF\n4 2 0\n-1 -1 {0}\n1 -1 {0}\n1 1 {0}\n-1 1 {0}\n3 0 1 2\n3 0 2 3\n"
+RAMP = "OFF\n4 2 0\n-1 -1 0\n1 -1 1\n1 1 1\n-1 1 0\n3 0 1 2\n3 0 2 3\n"
+
+
+class Measuring(ProgramTest):
+    def expect_in(self, value, bounds, width):
+        self.assertLessEqual(bounds[0], value)
+        self.assertGreaterEqual(bounds[1], value)
+        self.assertLess(bounds[1] - bounds[0], width)
+
+    def test_parallel_squares(self):
+        low = self.file("low.off", FLAT.format(0))
+        high = self.file("high.off", FLAT.format(0.5))
+        result = self.json_of("deviation", low, high)
+        self.assertEqual(list(result), ["a", "b", "triangles_a", "triangles_b", "rotation_error", "a_to_b", "b_to_a", "hausdorff",
+                                        "histogram_end"])
+        for way in ("a_to_b", "b_to_a"):
+            self.assertEqual(list(result[way]), WAY + MEAN)
+            self.assertTrue(result[way]["complete"])
+            for key in ("greatest", "mean", "root_mean_square"):
+                self.expect_in(0.5, result[way][key], 1e-4)
+            self.assertAlmostEqual(result[way]["area"], 4)
+            self.assertAlmostEqual(sum(result[way]["histogram"]), 1)
+        self.expect_in(0.5, result["hausdorff"], 1e-5)
+
+    def test_a_pose_moves_b(self):
+        low = self.file("low.off", FLAT.format(0))
+        result = self.json_of("deviation", low, low, "--pose", "0,0,0.25", "--one-sided", "--no-mean")
+        self.assertEqual(list(result), ["a", "b", "triangles_a", "triangles_b", "rotation_error", "a_to_b"])
+        self.assertEqual(list(result["a_to_b"]), WAY)
+        self.expect_in(0.25, result["a_to_b"]["greatest"], 1e-5)
+        a, b = result["a_to_b"]["point_a"], result["a_to_b"]["point_b"]
+        self.assertAlmostEqual(math.dist(a, b), 0.25)
+        self.assertEqual(self.json_of("deviation", low, low)["hausdorff"], [0, 0])
+
+    def test_files(self):
+        ramp, flat = self.file("ramp.off", RAMP), self.file("flat.off", FLAT.format(0))
+        ply, table, picture = (self.folder / name for name in ("a.ply", "h.csv", "p.png"))
+        text = self.succeed("deviation", ramp, flat, "--out", ply, "--histogram", table, "--bins", "4", "--picture", picture,
+                            "--size", "64x48")
+        for path in (ply, table, picture):
+            self.assertIn(f"wrote {path}", text)
+        rows = list(csv.DictReader(table.read_text().splitlines()))
+        self.assertEqual(len(rows), 4)
+        for row in rows:
+            self.assertAlmostEqual(float(row["A to B"]), 0.25, places=3)
+        self.assertTrue(picture.read_bytes().startswith(b"\x89PNG"))
+        header, body = ply.read_bytes().split(b"end_header\n")
+        self.assertIn(b"property double quality", header)
+        vertices = [struct.unpack_from("<3d3Bd", body, 35 * i) for i in range(4)]
+        self.assertEqual([round(v[6], 12) for v in vertices], [0, 1, 1, 0])
+        self.assertEqual(vertices[0][3:6], (0x44, 0x01, 0x54))
+        self.assertEqual(vertices[1][3:6], (0xFD, 0xE7, 0x25))
+        # It is read back as a mesh.
+        self.assertEqual(self.json_of("deviation", ply, ramp, "--no-mean")["hausdorff"], [0, 0])
+        self.succeed("deviation", "icosphere:1", "cube", "--one-sided", "--no-mean", "--signed", "--out", ply)
+        body = ply.read_bytes().split(b"end_header\n")[1]
+        inside = [struct.unpack_from("<3d3Bd", body, 35 * i)[6] for i in range(42)]
+        self.assertLess(max(inside), 1e-15)
+        self.assertLess(min(inside), -0.1)
+
+
+class RefusingDeviation(ProgramTest):
+    def test_bad_options(self):
+        self.refuse("deviation", "cube", status=2, says="B")
+        self.refuse("deviation", "cube", "cube", "--tolerance", "-1", status=2, says="--tolerance")
+        self.refuse("deviation", "cube", "cube", "--tolerance", "nan", says="tolerance")
+        self.refuse("deviation", "cube", "cube", "--bins", "0", status=2, says="--bins")
+        self.refuse("deviation", "cube", "cube", "--out", self.folder / "a.obj", says=".ply")
+        self.refuse("deviation", "cube", "cube", "--histogram", self.folder / "a.txt", says=".csv")
+        self.refuse("deviation", "cube", "cube", "--pose", "1,2", says="pose")
+        self.refuse("deviation", "cube", "none.obj", says="none.obj")
+        self.refuse("deviation", "cube", "cube", "--histogram", self.folder / "a.csv", says="no histogram")
+
+
+if __name__ == "__main__":
+    unittest.main()
