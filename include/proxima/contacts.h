@@ -118,7 +118,8 @@ struct PenetrationOptions {
 /// for the largest sum.
 ///
 /// Errors: limit_exceeded (of the sum), cancelled. Convex: O(facets of the sum). Others: some
-/// 10 ms on scanned models. Allocates. Thread safe. Same bits on every machine.
+/// 10 ms on scanned models. Allocates. Thread safe. The same for every instruction set, and on every
+/// machine whose C library has the same sines.
 [[nodiscard]] Result<PenetrationDepth> penetration_depth(const Solid& a, const Solid& b,
                                                          const RigidTransform& pose_b = {},
                                                          const PenetrationOptions& options = {});
@@ -168,8 +169,8 @@ struct ContactRegions {
 /// are one region. None where the surfaces do not meet, as where one mesh is inside the other. Of
 /// each region at most four points: the deepest, the farthest from it, the farthest from the line
 /// through both, and the one that makes the largest quadrilateral, seen along the normal. Allocates.
-/// Thread safe. 4 us per pair of triangles that meet, and 0.3 to 10 ms per region. Same bits on every
-/// machine. \pre differences of coordinates are finite
+/// Thread safe. 4 us per pair of triangles that meet, and 0.3 to 10 ms per region. The same as
+/// penetration_depth is. \pre differences of coordinates are finite
 [[nodiscard]] ContactRegions contact_regions(const Solid& a, const Solid& b,
                                              const RigidTransform& pose_b = {});
 

@@ -129,17 +129,23 @@ private:
         const double beyond = (reach - margin_) / fastest_;
         double least = beyond;
         const Vec3 center = (motion_.start(motion_.center) + time * motion_.displacement) * unit_;
+        // The order of pairs, and those that are farther than the reach, depend on the instruction set.
+        // The least step does not: a pair's is the longest of directions that doubles give.
+        const Vec3 direction = normal_;
+        std::uint64_t which = 0;
         for (std::size_t i = 0; i < near.count; ++i) {
             const NearRows& rows = rows_[i];
             const Pair pair = {scaled(a_.parts().triangle(rows.a)),
                                scaled(pose(b_.parts().triangle(rows.b))), center};
-            // The direction of lanes will often do to say that others meet sooner.
-            if (step_along(pair, rows.across.stableNormalized()) >= least) continue;
-            Vec3 normal;
-            const double at_least = best_step(pair, normal);
-            if (at_least >= least) continue;
-            least = at_least;
-            normal_ = normal;
+            // That of the nearest pair will often do to say that others meet sooner.
+            PairStep step = {step_along(pair, direction), direction};
+            if (step.time > least) continue;
+            if (!lengthen(pair, reach, step) || step.time > least) continue;
+            const std::uint64_t number = std::uint64_t{rows.a} << 32U | rows.b;
+            if (step.time == least && (least == beyond || number > which)) continue;
+            least = step.time;
+            normal_ = step.normal;
+            which = number;
         }
         // Nothing near was in the way: look farther, but for where there were too many pairs.
         if (least == beyond && 8 * reach < most_reach_) factor_ *= 8;
@@ -174,21 +180,27 @@ private:
         return least;
     }
 
-    /// The longest step of several directions, and that direction.
-    double best_step(const Pair& pair, Vec3& normal) const
+    /// How long a pair is sure to be apart, and the direction that shows it.
+    struct PairStep {
+        double time;
+        Vec3 normal;
+    };
+
+    /// Takes the longest step of several directions. False where the pair is farther than the reach.
+    bool lengthen(const Pair& pair, double reach, PairStep& best) const
     {
         const ClosestTrianglePoints closest = closest_points(pair.a, pair.b);
+        if (std::sqrt(closest.squared_distance) > reach) return false;
         const Vec3 across = closest.second.point - closest.first.point;
-        normal = across.stableNormalized();
-        double best = step_along(pair, normal);
-        const auto consider = [&](const Vec3& u, const Vec3& v) {
-            Vec3 direction = unit_normal({Vec3::Zero(), u}, {Vec3::Zero(), v});
-            if (direction.dot(across) < 0) direction = -direction;
+        const auto try_along = [&](const Vec3& direction) {
             const double step = step_along(pair, direction);
-            if (step <= best) return;
-            best = step;
-            normal = direction;
+            if (step > best.time) best = {step, direction};
         };
+        const auto consider = [&](const Vec3& u, const Vec3& v) {
+            const Vec3 direction = unit_normal({Vec3::Zero(), u}, {Vec3::Zero(), v});
+            try_along(direction.dot(across) < 0 ? Vec3(-direction) : direction);
+        };
+        try_along(across.stableNormalized());
         // Points that are all but one say little about the direction; the triangles say it.
         const auto side = [](const Triangle& t, int i) { return Vec3(t[(i + 1) % 3] - t[i]); };
         consider(side(pair.a, 0), side(pair.a, 1));
@@ -201,7 +213,7 @@ private:
         const int on_a = number(closest.first.part);
         const int on_b = number(closest.second.part);
         if (on_a >= 0 && on_b >= 0) consider(side(pair.a, on_a), side(pair.b, on_b));
-        return best;
+        return true;
     }
 
     const MeshIndex& a_;

@@ -1,5 +1,6 @@
 #include "proxima/time_of_contact.h"
 
+#include "base/simd.h"
 #include "counted_allocations.h"
 #include "index/test_meshes.h"
 #include "proxima/intersect_meshes.h"
@@ -194,6 +195,53 @@ TEST(TimeOfContact, IsThatOfATurningBar)
     expect_free_before(a, b, motion, back, 2000);
     EXPECT_GT(other, 0);
     expect_consistent(a, b, motion, back, 1e-9);
+}
+
+TEST(TimeOfContact, IsThatOfABoxWhosePathBends)
+{
+    // The box at the lowest point of a circle moves along the ceiling above it, and then up.
+    for (const double gap : {1e-2, 1e-3, 1e-5}) {
+        const MeshIndex ceiling = slabs_of(moved(
+            make_cube(), [&](const Vec3& p) { return Vec3(p.x(), p.y() + 0.02 + gap, p.z()); }));
+        const MeshIndex box = slabs_of(
+            moved(make_cube(), [](const Vec3& p) { return Vec3(0.02 * p + Vec3(0, -1, 0)); }));
+        const RigidMotion motion = {.turn = Vec3(0, 0, 0.5)};
+        const auto found = time_of_contact(ceiling, box, motion);
+        ASSERT_TRUE(found) << gap;
+        // Of the upper corner that leads.
+        const double radius = std::hypot(0.02, 0.98);
+        const double angle = std::asin((-0.98 + gap) / radius) - std::atan2(-0.98, 0.02);
+        EXPECT_LE(found->free_until, angle / 0.5 * (1 + 1e-9)) << gap;
+        EXPECT_NEAR(found->free_until, angle / 0.5, 1e-6) << gap;
+        EXPECT_GE(found->touches_at, angle / 0.5 * (1 - 1e-9)) << gap;
+        expect_free_before(ceiling, box, motion, found, 300);
+        EXPECT_LT(found->steps, 60U) << gap;
+    }
+}
+
+TEST(TimeOfContact, HasTheSameBitsForEveryInstructionSet)
+{
+    for (const auto& [a, b] : {std::pair(make_torus(24, 12), make_icosphere(3)),
+                               {sample_mesh("spaceship:1300").value(), make_cube()}}) {
+        const MeshIndex index_a = slabs_of(a);
+        const MeshIndex index_b = slabs_of(b);
+        MotionGenerator motions(a, b, 12);
+        for (int i = 0; i < 20; ++i) {
+            const RigidMotion motion = motions();
+            const auto truth = time_of_contact(index_a, index_b, motion);
+            for (const SimdTarget& target : simd_targets()) {
+                force_simd_target(target);
+                const auto found = time_of_contact(index_a, index_b, motion);
+                restore_simd_targets();
+                ASSERT_EQ(found.has_value(), truth.has_value());
+                if (!truth) continue;
+                EXPECT_EQ(found->free_until, truth->free_until) << target.name;
+                EXPECT_EQ(found->touches_at, truth->touches_at) << target.name;
+                EXPECT_EQ(found->normal, truth->normal) << target.name;
+                EXPECT_EQ(found->steps, truth->steps) << target.name;
+            }
+        }
+    }
 }
 
 TEST(TimeOfContact, IsNeverPastAContactOfFineSteps)
