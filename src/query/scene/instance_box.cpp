@@ -3,6 +3,8 @@
 #include "index/index_parts.h"
 
 #include <algorithm>
+#include <cmath>
+#include <limits>
 
 namespace proxima {
 
@@ -53,6 +55,25 @@ void open_block(const IndexParts& index, std::size_t at, std::vector<OpenBlock>&
     }
 }
 
+/// A ball about the middle of the boxes that has all corners.
+void set_ball(const IndexParts& index, InstancedShape& shape)
+{
+    Box all;
+    for (const ShapeBox& box : shape.boxes) {
+        all.extend(box.center - box.half);
+        all.extend(box.center + box.half);
+    }
+    shape.center = all.center();
+    double squared = 0; // in the index's units, where squares stay within the doubles
+    for (std::uint32_t row = 0; row < index.triangle_count(); ++row) {
+        for (const Vec3& corner : index.triangle(row).vertices) {
+            const Vec3 off = (corner - shape.center) * index.scale();
+            squared = std::max(squared, off.squaredNorm());
+        }
+    }
+    shape.radius = std::sqrt(squared) * index.unscale() * (1 + 0x1p-40);
+}
+
 } // namespace
 
 InstancedShape make_instanced_shape(const MeshIndex& index)
@@ -85,6 +106,7 @@ InstancedShape make_instanced_shape(const MeshIndex& index)
         shape.boxes.push_back({block.box.center(), half});
         shape.reach = std::max(shape.reach, (block.box.center().cwiseAbs() + half).sum());
     }
+    set_ball(parts, shape);
     return shape;
 }
 
@@ -99,9 +121,12 @@ Box instance_box(const InstancedShape& shape, const RigidTransform& pose) noexce
         box.lower = box.lower.cwiseMin(center - half);
         box.upper = box.upper.cwiseMax(center + half);
     }
+    const Vec3 middle = r * shape.center;
+    box.lower = box.lower.cwiseMax((middle.array() - shape.radius).matrix());
+    box.upper = box.upper.cwiseMin((middle.array() + shape.radius).matrix());
     const double off = (r.transpose() * r - Mat3::Identity()).norm();
     const double slack =
-        2 * off * shape.reach +
+        4 * off * shape.reach +
         scene_roundoff * (pose.translation.lpNorm<Eigen::Infinity>() + shape.reach) +
         std::numeric_limits<double>::min();
     box.lower = (box.lower + pose.translation).array() - slack;

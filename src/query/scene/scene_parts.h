@@ -13,7 +13,8 @@
 //     a point or the origin of a ray, q, moved back      8 u (|q| + |t|); 8 u |q| is the query's part
 //     a ray's direction d, at its point o + s d           4 u |s d|, |s d| at most |o| + |t| + P
 //     relative_pose: R_a^T R_b 8 u P_b, R_a^T (t_b - t_a) and the moved corner 30 u (P_b + |t_a| + |t_b|)
-// All of it is less than 2 f P + 2^-46 (|t| + P), by which boxes are drawn out, and 2^-46 |q| (2^-46 |o|),
+// The ball of a shape, |p - c| at most 2 P, is turned with it to within f P. All of it is less than
+// 4 f P + 2^-46 (|t| + P), by which boxes are drawn out, and 2^-46 |q| (2^-46 |o|),
 // by which queries are.
 #pragma once
 
@@ -45,6 +46,8 @@ struct InstancedShape {
     MeshIndex index;
     std::vector<ShapeBox> boxes; ///< all triangles are in one of them; none of an empty index
     double reach = 0;            ///< P
+    Vec3 center = Vec3::Zero();  ///< of a ball about all corners
+    double radius = 0;
 };
 
 /// A row of the tree: an instance's box, and what walks ask before they enter it.
