@@ -72,6 +72,29 @@ TEST(SumQueries, APointIsNoOtherPointAlongAnyAxis)
     }
 }
 
+TEST(SumQueries, FlatSumsAcrossEachAxisHoldTheirPoints)
+{
+    for (int axis = 0; axis < 3; ++axis) {
+        const Vec3 u = Vec3::Unit((axis + 1) % 3);
+        const Vec3 v = Vec3::Unit((axis + 2) % 3);
+        const Vec3 at = 3 * Vec3::Unit(axis) + Vec3(7, -5, 2);
+        const auto sum = *minkowski_sum(test::hull_of({at, at + u, at + v, at + u + v}),
+                                        test::hull_of({u, 2 * v}));
+        ASSERT_EQ(sum.dimension(), 2) << axis;
+        for (double x = -1; x <= 3; x += 0.5) {
+            for (double y = -1; y <= 4; y += 0.5) {
+                // The square moved along the segment from (1, 0) to (0, 2).
+                bool holds = false;
+                for (double t = 0; t <= 1; t += 0x1p-6)
+                    holds = holds || (x >= 1 - t && x <= 2 - t && y >= 2 * t && y <= 2 * t + 1);
+                const Vec3 p = at + x * u + y * v;
+                EXPECT_EQ(contains(sum, p), holds) << axis << ' ' << x << ' ' << y;
+                EXPECT_FALSE(contains(sum, p + 0x1p-40 * Vec3::Unit(axis)));
+            }
+        }
+    }
+}
+
 TEST(SumQueries, OnTheSurfaceTheDirectionIsThatOfAFacet)
 {
     // Touching from outside, where the way from the surface to the point has no direction.
