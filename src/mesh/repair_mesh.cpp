@@ -455,6 +455,7 @@ private:
         repair_.mesh = std::move(*mesh);
         repair_.original_triangles = std::move(ids_);
         repair_.turned = std::move(turned_);
+        advance_stage(progress_, 1);
         return std::move(repair_);
     }
 

@@ -184,6 +184,42 @@ TEST(DeterminantSign, OfASumIsExactWhereOneTermIsTooSmallForTheFastArithmetic)
     }
 }
 
+TEST(CrossComponentSign, IsExactWhereOnlyOneFactorSuitsTheFastArithmetic)
+{
+    // 2^-200 and 2^-1000: their product is no number of double precision.
+    const auto along = [](int axis, double length) { return Vec3(length * Vec3::Unit(axis)); };
+    for (int axis = 0; axis < 3; ++axis) {
+        const int p = (axis + 1) % 3;
+        const int q = (axis + 2) % 3;
+        for (const auto& [of_u, of_w] : {std::pair(0x1p-200, 0x1p-1000), {0x1p-1000, 0x1p-200}}) {
+            const SumDisplacement w = {along(q, of_w), Vec3::Zero(), Vec3::Zero(), 1};
+            EXPECT_EQ(cross_component_sign({Vec3::Zero(), along(p, of_u)}, w, axis), 1) << axis;
+            EXPECT_EQ(cross_component_sign({along(p, of_u), Vec3::Zero()}, w, axis), -1) << axis;
+        }
+    }
+}
+
+TEST(UnitNormal, IsRightWhereRoundedProductsCancel)
+{
+    // (1 + e)^2 - (1 + 2e) is e^2, and rounds to 0.
+    constexpr double e = 0x1p-52;
+    for (int axis = 0; axis < 3; ++axis) {
+        const int p = (axis + 1) % 3;
+        const int q = (axis + 2) % 3;
+        Vec3 u = Vec3::Zero();
+        Vec3 v = Vec3::Zero();
+        u[p] = 1 + e;
+        u[q] = 1 + 2 * e;
+        v[p] = 1;
+        v[q] = 1 + e;
+        EXPECT_EQ(unit_normal({Vec3::Zero(), u}, {Vec3::Zero(), v}), Vec3::Unit(axis)) << axis;
+        EXPECT_EQ(unit_normal({Vec3::Zero(), v}, {Vec3::Zero(), u}), -Vec3::Unit(axis)) << axis;
+        // The same sign by the determinant with a sum.
+        const SumDisplacement across = {Vec3::Unit(axis), Vec3::Zero(), Vec3::Zero(), 1};
+        EXPECT_EQ(determinant_sign({Vec3::Zero(), u}, {Vec3::Zero(), v}, across), 1) << axis;
+    }
+}
+
 TEST(IsDegenerate, DistinguishesLinesAndPointsFromSlivers)
 {
     const Vec3 a(0.1, 0.2, 0.3);

@@ -79,6 +79,47 @@ TEST(ForceGuard, PassesForcesWithinItsLimits)
     EXPECT_NEAR(guard.last().y() / guard.last().x(), 4.0 / 3, 1e-12);
 }
 
+TEST(ForceGuard, CountsEachForceThatItChanges)
+{
+    ForceOptions options = without_ramps();
+    options.max_slew = 1000; // 1 N in a tick
+    ForceGuard guard(options, 2);
+    EXPECT_EQ(guard.pass(Vec3(5, 0, 0), tick), Vec3(1, 0, 0)); // 2 N in two ticks
+    EXPECT_EQ(guard.clamped(), 1U);
+    EXPECT_EQ(guard.slewed(), 1U);
+    EXPECT_EQ(guard.pass(Vec3(7, 0, 0), tick), Vec3(2, 0, 0));
+    EXPECT_EQ(guard.clamped(), 2U);
+    EXPECT_EQ(guard.slewed(), 1U);
+    const Vec3 nothing(std::numeric_limits<double>::quiet_NaN(), 0, 0);
+    EXPECT_EQ(guard.pass(nothing, tick), Vec3(1, 0, 0));
+    EXPECT_EQ(guard.refused(), 1U);
+    EXPECT_EQ(guard.slewed(), 2U);
+}
+
+TEST(ForceGuard, ATickOfNoLengthKeepsTheForce)
+{
+    ForceGuard guard(without_ramps(), 3.3);
+    const Vec3 force(1, 2, -2);
+    EXPECT_EQ(guard.pass(force, 0), Vec3::Zero());
+    EXPECT_EQ(guard.pass(Vec3::Zero(), 0), Vec3::Zero());
+    EXPECT_EQ(guard.pass(force, tick), force);
+    EXPECT_EQ(guard.pass(force, 0), force);
+    EXPECT_EQ(guard.pass(Vec3::Zero(), 0), force);
+}
+
+TEST(ForceGuard, WithoutAStartingTimeBeginsWithTheWholeForce)
+{
+    ForceGuard guard(without_ramps(), 3.3);
+    EXPECT_EQ(guard.ramp(), 1);
+    EXPECT_EQ(guard.pass(Vec3(1, 0, 0), tick), Vec3(1, 0, 0));
+    guard.restart();
+    EXPECT_EQ(guard.ramp(), 1);
+    EXPECT_EQ(guard.pass(Vec3(0, 2, 0), tick), Vec3(0, 2, 0));
+    EXPECT_EQ(ForceGuard({.start_seconds = 0.25}, 3.3).ramp(), 0);
+    guard.cross_over(); // the force before fades at once, for there is no time for it either
+    EXPECT_EQ(guard.pass(Vec3(0, 0, 3), tick), Vec3(0, 0, 3));
+}
+
 TEST(ForceGuard, RampsUpAtTheStartAndDownWhenThePatchIsLost)
 {
     ForceOptions options = without_ramps();

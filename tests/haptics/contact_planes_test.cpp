@@ -2,8 +2,10 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <limits>
 #include <random>
+#include <span>
 #include <vector>
 
 namespace proxima {
@@ -48,6 +50,28 @@ TEST(ContactPlanes, LeaveAllowedPointsWhereTheyAre)
     EXPECT_EQ(solution.shift, Vec3::Zero());
     EXPECT_TRUE(solution.feasible);
     EXPECT_EQ(nearest_allowed({}, 1e-12).count, 0U);
+}
+
+TEST(ContactPlanes, AllowGapsOfTheToleranceItself)
+{
+    const std::vector<ContactPlane> planes = {{Vec3::UnitZ(), -0.25}, {Vec3::UnitX(), -0.25}};
+    for (const std::size_t count : {1U, 2U}) {
+        const auto some = std::span(planes).first(count);
+        EXPECT_EQ(nearest_allowed(some, 0.25).count, 0U) << count;
+        const PlaneSolution moved = nearest_allowed(some, std::nextafter(0.25, 0.0));
+        EXPECT_EQ(moved.count, count);
+        EXPECT_TRUE(moved.feasible) << count;
+    }
+}
+
+TEST(ContactPlanes, NoPlaneBesideThemCounts)
+{
+    // In memory a plane follows that is farther away than all of them.
+    const std::vector<ContactPlane> planes = {
+        {Vec3::UnitX(), -1}, {Vec3::UnitY(), -2}, {Vec3::UnitZ(), -3}};
+    EXPECT_EQ(nearest_allowed(std::span(planes).first(2), 1e-12).shift, Vec3(1, 2, 0));
+    EXPECT_EQ(nearest_allowed(std::span(planes).first(1), 1e-12).shift, Vec3(1, 0, 0));
+    EXPECT_EQ(nearest_allowed(std::span(planes).subspan(1, 1), 1e-12).shift, Vec3(0, 2, 0));
 }
 
 TEST(ContactPlanes, SolveACornerOfThreePlanesInOneCall)

@@ -279,6 +279,60 @@ TEST(DeviceInput, NeverTrustsADeviceThatKeepsJumping)
     EXPECT_EQ(session.input.jumps, fault_end - fault_begin);
 }
 
+/// Ticks of exactly representable lengths, and jumps of more than half a metre.
+InputOptions dyadic_options()
+{
+    return {.tick_seconds = 0x1p-10, .max_jump = 0.5, .settle_seconds = 4 * 0x1p-10};
+}
+
+/// The next good sample of a device, at x.
+InputCondition accept_at(DeviceInput& input, double x)
+{
+    static std::uint64_t sample = 0;
+    DeviceReading reading;
+    reading.sample = ++sample;
+    reading.state.pose.translation = Vec3(x, 0, 0);
+    return input.accept(reading).condition;
+}
+
+TEST(DeviceInput, TrustsAJumpWhenItHasLastedForTheSettlingTimeExactly)
+{
+    DeviceInput input = make_device_input({}, dyadic_options()).value();
+    EXPECT_EQ(accept_at(input, 0), InputCondition::well);
+    // The sample that jumps, and those of less than four ticks after it.
+    for (int i = 0; i < 4; ++i) EXPECT_EQ(accept_at(input, 2), InputCondition::unsure) << i;
+    EXPECT_EQ(accept_at(input, 2), InputCondition::well);
+    EXPECT_EQ(input.state().pose.translation.x(), 2);
+    InputOptions at_once = dyadic_options();
+    at_once.settle_seconds = 0;
+    DeviceInput trusting = make_device_input({}, at_once).value();
+    EXPECT_EQ(accept_at(trusting, 0), InputCondition::well);
+    EXPECT_EQ(accept_at(trusting, 2), InputCondition::well);
+}
+
+TEST(DeviceInput, MovesOfTheLargestJumpAreNoJumps)
+{
+    DeviceInput input = make_device_input({}, dyadic_options()).value();
+    EXPECT_EQ(accept_at(input, 0), InputCondition::well);
+    EXPECT_EQ(accept_at(input, 0.5), InputCondition::well);
+    // Nor do they end the agreement of samples after a jump.
+    for (int i = 0; i < 4; ++i)
+        EXPECT_EQ(accept_at(input, i % 2 == 0 ? 2 : 2.5), InputCondition::unsure) << i;
+    EXPECT_EQ(accept_at(input, 2), InputCondition::well);
+    EXPECT_EQ(input.report().jumps, 1U);
+}
+
+TEST(DeviceInput, HasNoPositionBeforeTheFirstGoodSample)
+{
+    DeviceInput input = make_device_input({}).value();
+    const auto is_nowhere = [&] { return input.state().pose.translation.array().isNaN().all(); };
+    EXPECT_TRUE(is_nowhere());
+    EXPECT_EQ(accept_at(input, nan), InputCondition::unsure);
+    EXPECT_TRUE(is_nowhere());
+    EXPECT_EQ(accept_at(input, 0.25), InputCondition::well);
+    EXPECT_EQ(input.state().pose.translation, Vec3(0.25, 0, 0));
+}
+
 TEST(DeviceInput, TouchesNothingBeforeTheFirstGoodSample)
 {
     const CubeScene scene;
@@ -403,7 +457,7 @@ TEST(DeviceInput, ADeviceThatEndsTheSessionIsNoFault)
     EXPECT_EQ(session.quality.faulty_ticks, 0U);
 }
 
-TEST(ButtonQueue, HandsOverEventsInOrder)
+TEST(DeviceInput, HandsOverButtonEventsInOrder)
 {
     const CubeScene scene;
     LedDevice device([](std::uint64_t tick) {

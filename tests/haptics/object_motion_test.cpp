@@ -112,5 +112,52 @@ TEST(ObjectTrajectory, StartsANewMotionFromWhereItIs)
     EXPECT_LT((course.now().translation - (at + (Vec3(0, 1, 0) - at) / 10)).norm(), 1e-12);
 }
 
+TEST(ObjectTrajectory, StartsAtRestWhereItsCourseIs)
+{
+    const RigidTransform pose = turned(0.3, Vec3(1, 2, 3), Vec3(1, 5, 0));
+    const ObjectCourse course(pose);
+    ObjectTrajectory trajectory(course, 0);
+    trajectory.start(5 * tick_time);
+    EXPECT_FALSE(trajectory.moved());
+    EXPECT_EQ(trajectory.now().translation, pose.translation);
+    trajectory.advance(6 * tick_time); // and no other course was given
+    EXPECT_FALSE(trajectory.moved());
+    EXPECT_EQ(trajectory.now().translation, pose.translation);
+    // A motion that is half done, as if it had been there before.
+    trajectory.follow(course.continued({.pose = {pose.rotation, Vec3(3, 5, 0)}, .seconds = 0.02},
+                                       10 * tick_time));
+    trajectory.start(20 * tick_time);
+    EXPECT_FALSE(trajectory.moved());
+    EXPECT_NEAR(trajectory.now().translation.x(), 2, 1e-12);
+    EXPECT_EQ(trajectory.before().translation, trajectory.now().translation);
+}
+
+TEST(ObjectTrajectory, AMotionOfNoTimeIsForTheNextTick)
+{
+    const ObjectCourse course(turned(0.3, Vec3(1, 2, 3), Vec3(1, 0, 0)));
+    const Vec3 goal(0, 7, 0);
+    const ObjectCourse jump =
+        course.continued({.pose = {Mat3::Identity(), goal}, .seconds = 0}, 3 * tick_time);
+    EXPECT_EQ(jump.pose_at(3 * tick_time).translation, Vec3(1, 0, 0));
+    EXPECT_FALSE(jump.rests_at(3 * tick_time));
+    EXPECT_EQ(jump.pose_at(3 * tick_time + 1).translation, goal);
+    EXPECT_TRUE(jump.rests_at(3 * tick_time + 1));
+}
+
+TEST(ObjectTrajectory, SlidesAndTurnsAreMotions)
+{
+    Follower course(RigidTransform{});
+    course.follow({.pose = {Mat3::Identity(), Vec3(1, 0, 0)}, .seconds = 0.002});
+    course.advance();
+    EXPECT_TRUE(course.moved());
+    course.advance();
+    EXPECT_TRUE(course.moved());
+    course.advance();
+    EXPECT_FALSE(course.moved());
+    course.follow({.pose = turned(1, Vec3(0, 1, 0), Vec3(1, 0, 0)), .seconds = 0.002});
+    course.advance();
+    EXPECT_TRUE(course.moved());
+}
+
 } // namespace
 } // namespace proxima

@@ -120,6 +120,84 @@ TEST(RemoteServo, TakesNewRepliesAndRefusesOldOnes)
     EXPECT_NEAR(settled_force(servo), 0.2, 1e-12);
 }
 
+TEST(RemoteServo, ARepeatedReplyIsNotOld)
+{
+    // It says that the renderer is alive: the time for which it holds begins anew.
+    RemoteServo servo(3.3);
+    ReplyPacket reply = wall_reply(7);
+    reply.hold_seconds = 0.25;
+    servo.take(reply, 0);
+    servo.take(reply, 0.25);
+    EXPECT_EQ(servo.refused(), 0U);
+    EXPECT_NEAR(servo.force(Vec3(0, 0, -0.002), Vec3::Zero(), 0.5).z(), 1, 1e-12);
+}
+
+TEST(RemoteServo, HoldsAReplyForItsTimeExactly)
+{
+    RemoteServo servo(3.3);
+    ReplyPacket reply = wall_reply(1);
+    reply.hold_seconds = 0.25;
+    servo.take(reply, 1);
+    const auto force = [&](double now) {
+        return servo.force(Vec3(0, 0, -0.002), Vec3::Zero(), now).z();
+    };
+    EXPECT_NEAR(force(1), 1, 1e-12);
+    EXPECT_NEAR(force(1.25), 1, 1e-12);
+    EXPECT_EQ(force(std::nextafter(1.25, 2.0)), 0);
+}
+
+TEST(RemoteServo, FadesInAndOutOverItsFadingTime)
+{
+    // 64 ticks in, 64 out once the reply no longer holds, whatever the clock says at the start.
+    for (const double start : {0.0, 1000.0}) {
+        RemoteServo servo(3.3);
+        ReplyPacket reply = wall_reply(1);
+        constexpr double tick = 0x1p-10;
+        reply.hold_seconds = 100 * tick;
+        reply.fade_seconds = 64 * tick;
+        (void)servo.force(Vec3::Zero(), Vec3::Zero(), start); // nothing was received
+        EXPECT_EQ(servo.fade_factor(), 0);
+        servo.take(reply, start);
+        for (int i = 1; i <= 200; ++i) {
+            const double force =
+                servo.force(Vec3(0, 0, -0.002), Vec3::Zero(), start + i * tick).z();
+            const double wanted = std::max(0.0, std::min(i, 64 - std::max(i - 100, 0)) / 64.0);
+            EXPECT_EQ(servo.fade_factor(), wanted) << start << ' ' << i;
+            EXPECT_NEAR(force, wanted, 1e-12) << start << ' ' << i;
+        }
+    }
+}
+
+TEST(RemoteServo, SticksUpToTheConeOfStaticFriction)
+{
+    // The tip is 1/512 m deep. Its anchor is as far aside as the static friction holds, or farther.
+    const auto aside_force = [](double aside) {
+        RemoteServo servo(100);
+        ReplyPacket reply = wall_reply(1);
+        reply.max_force = 100;
+        reply.command.stiffness = 512;
+        reply.command.static_friction = 0.5;
+        reply.command.dynamic_friction = 0.25;
+        reply.command.anchor = Vec3(aside, 0, 0);
+        servo.take(reply, 0);
+        return servo.force(Vec3(0, 0, -0x1p-9), Vec3::Zero(), 0).x();
+    };
+    EXPECT_EQ(aside_force(0x1p-10), 0.5);                                // static, of 1 N
+    EXPECT_NEAR(aside_force(std::nextafter(0x1p-10, 1.0)), 0.25, 1e-12); // slides: dynamic
+    EXPECT_EQ(aside_force(0x1p-12), 0.125);
+}
+
+TEST(RemoteServo, ANanometreOfDepthIsNotFelt)
+{
+    const auto force_at = [](double depth) {
+        RemoteServo servo(3.3);
+        servo.take(wall_reply(1), 0);
+        return servo.force(Vec3(0, 0, -depth), Vec3::Zero(), 0).z();
+    };
+    EXPECT_EQ(force_at(0.9e-9), 0);
+    EXPECT_NEAR(force_at(1.1e-9), 500 * 1.1e-9, 1e-12);
+}
+
 TEST(RemoteServo, StaysWithinBothLimits)
 {
     RemoteServo strong(3.3);

@@ -195,22 +195,50 @@ TEST(UdpDevice, BeginsAnewWhenAClockIsSlowByAPerCent)
     EXPECT_EQ(ten_minutes(*fast, 0.99).accepted, 6000U);
 }
 
-TEST(UdpDevice, JudgesLatenessByTheQuickestPacketOfAFastClock)
+TEST(UdpDevice, JudgesLatenessByTheQuickestPacketOfClocksThatDrift)
+{
+    // Fast by a per cent, and slow by half of what is allowed for: 30 ms in ten minutes.
+    for (const double pace : {0.99, 1 + 0.5e-4}) {
+        SCOPED_TRACE(pace);
+        const auto device = listening_device();
+        EXPECT_EQ(ten_minutes(*device, pace).late, 0U);
+        // More packets, `way_ms` longer on the way than the last.
+        const auto next = [&](std::uint64_t more, std::int64_t way_ms) {
+            StatePacket packet = state_packet(6000 + more);
+            packet.nanoseconds = (5999 + more) * 100 * millisecond;
+            device->take(encode(packet), device_side,
+                         static_cast<std::int64_t>(pace * 1e8 * 5999) +
+                             (5000 + 100 * static_cast<std::int64_t>(more) + way_ms) * millisecond);
+        };
+        next(1, 21);
+        EXPECT_EQ(device->report().late, 1U);
+        next(2, 19);
+        EXPECT_EQ(device->report().late, 1U);
+    }
+}
+
+TEST(UdpDevice, ReadsAtMost64DatagramsATick)
 {
     const auto device = listening_device();
-    EXPECT_EQ(ten_minutes(*device, 0.99).late, 0U);
-    // More packets, `way_ms` longer on the way than the last.
-    const auto next = [&](std::uint64_t more, std::int64_t way_ms) {
-        StatePacket packet = state_packet(6000 + more);
-        packet.nanoseconds = (5999 + more) * 100 * millisecond;
-        device->take(encode(packet), device_side,
-                     (5000 + 99 * 5999 + 100 * static_cast<std::int64_t>(more) + way_ms) *
-                         millisecond);
-    };
-    next(1, 21);
-    EXPECT_EQ(device->report().late, 1U);
-    next(2, 19);
-    EXPECT_EQ(device->report().late, 1U);
+    UdpSocket sender = *UdpSocket::listen({});
+    const auto address = parse_udp_address(device->info().name.substr(4));
+    ASSERT_TRUE(address);
+    for (std::uint64_t i = 1; i <= 100; ++i)
+        ASSERT_TRUE(sender.send(encode(state_packet(i)), *address)) << i;
+    EXPECT_EQ(device->read().sample, 64U);
+    EXPECT_EQ(device->report().received, 64U);
+    EXPECT_EQ(device->read().sample, 100U);
+    EXPECT_EQ(device->report().lost, 0U);
+}
+
+TEST(UdpDevice, HasAsManyButtonsAsAStateHasBits)
+{
+    const auto device = listening_device();
+    EXPECT_EQ(device->info().buttons, 8 * static_cast<int>(sizeof(StatePacket::buttons)));
+    StatePacket packet = state_packet(1);
+    packet.buttons = 0x80000001U;
+    device->take(encode(packet), device_side, millisecond);
+    EXPECT_EQ(device->read().state.buttons, 0x80000001U);
 }
 
 TEST(UdpDevice, SurvivesAnyBytes)

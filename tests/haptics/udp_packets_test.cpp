@@ -106,6 +106,43 @@ TEST(UdpPackets, RepliesSurviveEncodingAndDecoding)
     EXPECT_EQ(back.recovery_seconds, packet.recovery_seconds);
 }
 
+TEST(UdpPackets, RepliesAreLaidOutAsDocumented)
+{
+    ReplyPacket packet;
+    packet.session = 0x0102030405060708;
+    packet.sequence = 9;
+    packet.nanoseconds = 0x1122334455667788;
+    DeviceCommand& command = packet.command;
+    command.condition = InputCondition::frozen;
+    command.plane_count = 2;
+    // Each number is the offset where the documentation has it.
+    command.force = {40, 48, 56};
+    command.force_scale = 64;
+    packet.max_force = 72;
+    command.stiffness = 80;
+    command.damping = 88;
+    command.static_friction = 96;
+    command.dynamic_friction = 104;
+    command.anchor = {112, 120, 128};
+    command.planes = {DevicePlane{Vec3(136, 144, 152), 160}, DevicePlane{Vec3(168, 176, 184), 192},
+                      DevicePlane{Vec3(200, 208, 216), 224}};
+    packet.hold_seconds = 232;
+    packet.fade_seconds = 240;
+    packet.recovery_seconds = 248;
+    const auto bytes = encode(packet);
+    static_assert(sizeof bytes == 256);
+    EXPECT_EQ(std::memcmp(bytes.data(), "PXDN\1\0\0\1", 8), 0);
+    const auto has = [&](std::size_t at, const auto& wanted) {
+        EXPECT_EQ(std::memcmp(bytes.data() + at, &wanted, sizeof wanted), 0) << at;
+    };
+    has(8, packet.session);
+    has(16, packet.sequence);
+    has(24, packet.nanoseconds);
+    has(32, std::uint32_t{3});
+    has(36, std::uint32_t{2});
+    for (std::size_t at = 40; at < bytes.size(); at += 8) has(at, static_cast<double>(at));
+}
+
 TEST(UdpPackets, NameNoMorePlanesThanThereAre)
 {
     ReplyPacket packet;

@@ -137,6 +137,93 @@ TEST_F(GltfDemand, RefusesScenesBeyondTheBudget)
     }
 }
 
+/// The bytes that a scene may need, as the message of its refusal says.
+double demand_of(const Scene& scene)
+{
+    const std::string json = json_of(scene);
+    const Error error = error_of(glb_of(json), MeshFormat::glb,
+                                 {.execution = {.budget = {.bytes = 200'000 + 200 * json.size()}}});
+    EXPECT_EQ(error.code, ErrorCode::budget_exceeded) << describe(error);
+    const std::string_view before = "may need ";
+    const std::size_t at = error.message.find(before);
+    EXPECT_NE(at, std::string::npos) << error.message;
+    if (at == std::string::npos) return 0;
+    return 1e6 * std::stod(error.message.substr(at + before.size()));
+}
+
+TEST_F(GltfDemand, GrowsByWhateverIsAdded)
+{
+    // Big enough to be refused without any of the additions.
+    const std::string big =
+        R"({"bufferView":0,"componentType":5126,"count":1000000,"type":"VEC3"})";
+    const std::string primitive = R"({"attributes":{"POSITION":0}})";
+    const Scene base = {.nodes = "{}", .accessors = big};
+    const double least = demand_of(base);
+    const auto growth_by = [&](const auto& change) {
+        Scene scene = base;
+        change(scene);
+        return demand_of(scene) - least;
+    };
+    const double node = growth_by([](Scene& s) {
+        s = {"{},{}", "0,1", s.primitives, s.accessors};
+    });
+    EXPECT_GT(node, 0);
+    EXPECT_EQ(growth_by([](Scene& s) { s.nodes = "{},{}"; }), 0) << "a node of no scene";
+    EXPECT_GT(growth_by([](Scene& s) { s.nodes = R"({"mesh":0})"; }), 0);
+    EXPECT_GT(growth_by([](Scene& s) { s.nodes = R"({"meshes":[0]})"; }), 0);
+    EXPECT_EQ(growth_by([](Scene& s) { s.nodes = R"({"mesh":1})"; }), 0) << "of no mesh";
+    EXPECT_NEAR(growth_by([](Scene& s) { s.nodes = R"({"children":[1,2]},{},{})"; }), 2 * node, 1);
+    EXPECT_GT(growth_by([&](Scene& s) { s.primitives = repeated(primitive, 2); }), 1e6);
+    EXPECT_GT(growth_by([](Scene& s) { s.primitives = R"({"attributes":{"JOINTS_0":0}})"; }), 1e6);
+    EXPECT_GT(growth_by([](Scene& s) { s.buffers += R"(,{"byteLength":77})"; }), 76);
+    EXPECT_GT(growth_by([](Scene& s) { s.more = R"(,"materials":[{}])"; }), 0);
+    const auto image = [&](const std::string& of) {
+        return growth_by([&](Scene& s) { s.more = R"(,"images":[{)" + of + "}]"; });
+    };
+    EXPECT_GT(image(""), 0);
+    EXPECT_NEAR(image(R"("bufferView":0)") - image(""), 48, 0.5);
+    EXPECT_EQ(image(R"("bufferView":1)"), image("")) << "of no view";
+    // Bones are those of the primitives of a mesh with a skin.
+    const auto skinned = [&](const std::string& skin) {
+        return growth_by([&](Scene& s) {
+            s.nodes = R"({"mesh":0,"skin":0})";
+            s.more = R"(,"skins":[{)" + skin + "}]";
+        });
+    };
+    EXPECT_GT(skinned(R"("joints":[0])"), skinned(R"("joints":[])"));
+    EXPECT_GT(skinned(R"("inverseBindMatrices":0)"), 1e6);
+}
+
+TEST_F(GltfDemand, ChannelsOfAnAnimationCopyTheKeysOfTheirSampler)
+{
+    const std::string big =
+        R"({"bufferView":0,"componentType":5126,"count":1000000,"type":"VEC3"})";
+    const auto demand = [&](const std::string& channels) {
+        return demand_of(
+            {.accessors = big,
+             .more = R"(,"animations":[{"samplers":[{"input":0},{"input":0,"output":0}],)"
+                     R"("channels":[)" +
+                     channels + "]}]"});
+    };
+    const double none = demand("{}");
+    const double first = demand(R"({"sampler":0})") - none;
+    EXPECT_GT(first, 1e6);
+    EXPECT_NEAR(demand(R"({"sampler":1})") - none, 2 * first, 1);
+    for (const char* const wrong : {"2", "-1", "1e99", "0.5e300", "\"0\"", "null"})
+        EXPECT_EQ(demand(concat(R"({"sampler":)", wrong, "}")), none) << wrong;
+}
+
+TEST_F(GltfDemand, OffsetsUpToATebibyteAreNoMatterOfMemory)
+{
+    const auto code = [](const std::string& offset) {
+        return error_of_scene({.accessors = R"({"bufferView":0,"byteOffset":)" + offset +
+                                            R"(,"componentType":5126,"count":3,"type":"VEC3"})"})
+            .code;
+    };
+    EXPECT_EQ(code("1099511627776"), ErrorCode::malformed_file); // beyond its view
+    EXPECT_EQ(code("1099511627777"), ErrorCode::budget_exceeded);
+}
+
 TEST_F(GltfDemand, CountsNodesReferencedByNameInGltf1)
 {
     const std::string json =

@@ -745,6 +745,23 @@ TEST(MeshRepair, DropsComponentsByAreaOrByTriangles)
     EXPECT_EQ(triangles_left({.min_component_triangles = 321}), 0U);
 }
 
+TEST(MeshRepair, TrianglesOfTwoCornersBelongToNoComponent)
+{
+    // Along edges of a cube of 12 triangles: before the others and after them.
+    Draft draft;
+    draft.triangles = {{0, 1, 0}, {1, 1, 3}};
+    draft.add(make_cube());
+    draft.triangles.push_back({2, 3, 3});
+    const auto left = [&](std::uint64_t least) {
+        const MeshRepair repair =
+            repaired(draft.mesh(), {.drop_degenerate = false, .min_component_triangles = least});
+        EXPECT_EQ(count(repair, Kind::drop_small_components), least > 12 ? 1U : 0U);
+        return repair.mesh.triangle_count();
+    };
+    EXPECT_EQ(left(12), 15U);
+    EXPECT_EQ(left(13), 3U); // those, for they are in no component that could be dropped
+}
+
 TEST(MeshRepair, DoesNotTakeForACavityWhatADroppedPieceSurrounded)
 {
     Draft draft = cube_draft().add(make_icosphere(1), Vec3::Zero(), 0.5);
@@ -805,6 +822,28 @@ TEST(MeshRepair, StopsAtEveryStage)
                                               .execution = {.progress = &progress}});
         },
         [] { return true; }, 5);
+}
+
+TEST(MeshRepair, ReportsEachStageToItsEnd)
+{
+    // Two solids, one in the other, damaged: every step has something to do.
+    const Damaged damaged = Damager(nested_solids().mesh(), 1, 1e-6).damage();
+    std::map<std::string, double> farthest; // by stage
+    for (std::uint64_t reports = 1;; ++reports) {
+        ASSERT_LT(reports, 10000U);
+        Progress progress;
+        progress.cancel_after(reports);
+        const auto repair = repair_mesh(
+            damaged.mesh,
+            {.weld_distance = 4e-6, .drop_zero_area = true, .execution = {.progress = &progress}});
+        double& most = farthest[progress.stage()];
+        most = std::max(most, progress.fraction());
+        if (repair) break;
+    }
+    for (const char* const stage : {"welding vertices", "finding duplicate triangles"})
+        EXPECT_TRUE(farthest.contains(stage)) << stage; // told in blocks of more steps than these
+    for (const char* const stage : {"dropping triangles", "turning pieces outward", "making mesh"})
+        EXPECT_EQ(farthest[stage], 1) << stage;
 }
 
 } // namespace

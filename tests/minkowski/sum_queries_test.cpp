@@ -60,6 +60,63 @@ TEST(SumQueries, ContainsIsExactOnNastySumsOfAllDimensions)
     EXPECT_GT(inside, 1000);
 }
 
+TEST(SumQueries, APointIsNoOtherPointAlongAnyAxis)
+{
+    const Vec3 at(5, -3, 2);
+    const auto sum = *minkowski_sum(test::hull_of({at}), test::hull_of({{0, 0, 0}}));
+    ASSERT_EQ(sum.dimension(), 0);
+    EXPECT_TRUE(contains(sum, at));
+    for (int axis = 0; axis < 3; ++axis) {
+        for (const double by : {1.0, -1.0, 0x1p-40})
+            EXPECT_FALSE(contains(sum, at + by * Vec3::Unit(axis))) << axis << ' ' << by;
+    }
+}
+
+TEST(SumQueries, FlatSumsAcrossEachAxisHoldTheirPoints)
+{
+    for (int axis = 0; axis < 3; ++axis) {
+        const Vec3 u = Vec3::Unit((axis + 1) % 3);
+        const Vec3 v = Vec3::Unit((axis + 2) % 3);
+        const Vec3 at = 3 * Vec3::Unit(axis) + Vec3(7, -5, 2);
+        const auto sum = *minkowski_sum(test::hull_of({at, at + u, at + v, at + u + v}),
+                                        test::hull_of({u, 2 * v}));
+        ASSERT_EQ(sum.dimension(), 2) << axis;
+        for (double x = -1; x <= 3; x += 0.5) {
+            for (double y = -1; y <= 4; y += 0.5) {
+                // The square moved along the segment from (1, 0) to (0, 2).
+                bool holds = false;
+                for (double t = 0; t <= 1; t += 0x1p-6)
+                    holds = holds || (x >= 1 - t && x <= 2 - t && y >= 2 * t && y <= 2 * t + 1);
+                const Vec3 p = at + x * u + y * v;
+                EXPECT_EQ(contains(sum, p), holds) << axis << ' ' << x << ' ' << y;
+                EXPECT_FALSE(contains(sum, p + 0x1p-40 * Vec3::Unit(axis)));
+            }
+        }
+    }
+}
+
+TEST(SumQueries, OnTheSurfaceTheDirectionIsThatOfAFacet)
+{
+    // Touching from outside, where the way from the surface to the point has no direction.
+    const auto sum =
+        *minkowski_sum(test::hull_of(test::cube_points(1)), test::hull_of(test::cube_points(1)));
+    for (const Vec3& place :
+         {Vec3(2, 0.5, 0.25), Vec3(0.5, -2, 1), Vec3(2, 2, 0), Vec3(-2, 2, 2)}) {
+        const SurfacePoint found = signed_distance(sum, place);
+        EXPECT_EQ(found.distance, 0);
+        ASSERT_LT(found.facet, sum.facet_count());
+        EXPECT_EQ(found.direction, sum.half_space(found.facet).normal);
+        EXPECT_EQ(found.direction.dot(place), 2) << place.transpose();
+    }
+    // A flat sum holds the point: the direction is across it.
+    const auto flat = *minkowski_sum(test::hull_of({{0, 0, 1}, {4, 0, 1}, {0, 4, 1}}),
+                                     test::hull_of({{0, 0, 0}}));
+    ASSERT_EQ(flat.dimension(), 2);
+    const SurfacePoint held = signed_distance(flat, {1, 1, 1});
+    EXPECT_EQ(held.distance, 0);
+    EXPECT_EQ(std::abs(held.direction.z()), 1);
+}
+
 TEST(SumQueries, SignedDistanceIsThatOfTheNearestPoint)
 {
     for (unsigned seed = 0; seed < 300; ++seed) {

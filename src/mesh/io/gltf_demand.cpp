@@ -136,23 +136,23 @@ private:
     // Every channel keeps the keys of its sampler.
     [[nodiscard]] double animation_bytes(Id animation) const
     {
-        std::vector<double> samplers;
+        const Section samplers = {list(animation, "samplers"), {}};
+        std::vector<double> key_bytes;
         double all = 0;
-        for (const Id sampler : list(animation, "samplers")) {
+        for (const Id sampler : samplers.items) {
             double keys = 0;
             for (const std::string_view key : {"input", "output"}) {
                 const auto accessor = json_.member(sampler, key);
                 if (accessor) keys += accessor_count(*accessor);
             }
-            samplers.push_back(keys * bytes_of_key);
-            all += samplers.back();
+            key_bytes.push_back(keys * bytes_of_key);
+            all += key_bytes.back();
         }
         for (const Id channel : list(animation, "channels")) {
-            const double index = json_.number(channel, "sampler", -1);
             all += bytes_of_bone;
-            if (index >= 0 && index < static_cast<double>(samplers.size())) {
-                all += samplers[static_cast<std::size_t>(index)];
-            }
+            const auto reference = json_.member(channel, "sampler");
+            const auto found = reference ? find(samplers, *reference) : std::nullopt;
+            if (found) all += key_bytes[*found];
         }
         return all;
     }
