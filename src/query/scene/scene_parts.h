@@ -59,7 +59,7 @@ struct alignas(64) SceneRow {
 };
 static_assert(sizeof(SceneRow) == 64);
 
-struct SceneParts {
+struct PROXIMA_HIDDEN SceneParts {
     std::shared_ptr<const std::vector<InstancedShape>> shapes;
     std::shared_ptr<const std::vector<std::uint32_t>> row_of;
     MeshIndex tree;
