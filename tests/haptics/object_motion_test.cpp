@@ -144,6 +144,18 @@ TEST(ObjectTrajectory, AMotionOfNoTimeIsForTheNextTick)
     EXPECT_TRUE(jump.rests_at(3 * tick_time + 1));
 }
 
+TEST(ObjectTrajectory, ArrivesABillionthOfItsTimeEarly)
+{
+    // Ticks are rounded to nanoseconds: the last one of a second may be that early.
+    const RigidTransform goal = turned(0.5, Vec3(1, 2, 3), Vec3(1, 2, 3));
+    const ObjectCourse course = ObjectCourse(RigidTransform{}).continued({goal, 1.0}, 0);
+    constexpr SceneTime arrival = 999'999'999;
+    EXPECT_FALSE(course.rests_at(arrival - 1));
+    EXPECT_NE(course.pose_at(arrival - 1).translation, goal.translation);
+    EXPECT_TRUE(course.rests_at(arrival));
+    EXPECT_EQ(course.pose_at(arrival).translation, goal.translation);
+}
+
 TEST(ObjectTrajectory, SlidesAndTurnsAreMotions)
 {
     Follower course(RigidTransform{});

@@ -87,6 +87,8 @@ TEST_F(CheckLists, NamesADamagedRun)
          {"its run is damaged", [](EditableIndex& e) { e.runs[1].least = 3; }},
          {"its run is damaged", [](EditableIndex& e) { e.runs[1].direction[2] = float_nan; }},
          {"its run is damaged", [](EditableIndex& e) { e.runs[1].position += 1; }},
+         // The last run ends beyond the others, in memory that still holds what was there.
+         {"its run is damaged", [](EditableIndex& e) { e.runs.pop_back(); }},
          {"runs of no leaf", [](EditableIndex& e) { e.runs.emplace_back(); }}});
 }
 
