@@ -91,7 +91,7 @@ OFFERED = {
         "MeshIndex.edge_count": "Index.edge_count", "MeshIndex.has_lists": "Index.has_lists",
         "MeshIndex.has_signs": "Index.has_signs", "MeshIndex.has_slabs": "Index.has_distances",
         "MeshIndex.triangle_count": "Index.triangle_count", "MeshIndex.vertex_count": "Index.vertex_count"},
-    "mesh_io.h": {"read_mesh ReadOptions.weld": "Mesh.read", "read_mesh_from_memory": "Mesh.from_bytes",
+    "mesh_io.h": {"read_mesh ReadOptions.weld ReadOptions.primitives": "Mesh.read", "read_mesh_from_memory": "Mesh.from_bytes",
                   "write_mesh WriteOptions.ply WriteOptions.stl": "Mesh.write"},
     "mesh_repair.h": {
         "repair_mesh": "Mesh.repair", "weld_vertices": "Mesh.weld", "sub_mesh": "Mesh.part", "MeshRepair.mesh": "Repair.mesh",
