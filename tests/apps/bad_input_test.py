@@ -44,7 +44,7 @@ class Models(ProgramTest):
         self.refuse("octree", self.folder, says=str(self.folder))
 
     def test_unknown_extension(self):
-        self.refuse("octree", self.file("a.xyz", TRIANGLE), says=("a.xyz", ".obj"))
+        self.refuse("octree", self.file("a.abc", TRIANGLE), says=("a.abc", ".obj"))
         self.refuse("octree", self.file("a", TRIANGLE), says=".obj")
 
     def test_unknown_built_in_size(self):
