@@ -339,10 +339,10 @@ TEST_F(MeshFileTest, ReportsWhichFilesCannotBeOpened)
     fs::create_directory(path("folder.ply"));
     EXPECT_EQ(read_mesh(path("folder.ply")).error().code, ErrorCode::file_not_found);
     EXPECT_NE(read_mesh(path(".")).error().message.find("folder"), std::string::npos);
-    std::ofstream(path("mesh.xyz")) << "1 2 3\n";
-    const Error unknown = read_mesh(path("mesh.xyz")).error();
+    std::ofstream(path("mesh.abc")) << "1 2 3\n";
+    const Error unknown = read_mesh(path("mesh.abc")).error();
     EXPECT_EQ(unknown.code, ErrorCode::unsupported_format);
-    EXPECT_NE(unknown.message.find(".obj, .ply, .stl, .off, .3ds, .gltf, .glb"), std::string::npos);
+    EXPECT_NE(unknown.message.find(".obj, .ply, .stl, .off, .xyz, .3ds, .gltf, .glb"), std::string::npos);
     std::ofstream(path("empty.off")).flush();
     EXPECT_EQ(read_mesh(path("empty.off")).error().code, ErrorCode::malformed_file);
     fs::create_symlink("/dev/zero", path("endless.ply"));
