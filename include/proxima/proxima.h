@@ -13,6 +13,7 @@
 #include "proxima/export.h"
 #include "proxima/function_ref.h"
 #include "proxima/geometry.h"
+#include "proxima/grow_cells.h"
 #include "proxima/haptic_renderer.h"
 #include "proxima/index_io.h"
 #include "proxima/intersect_meshes.h"

@@ -4,6 +4,7 @@
 #include "base/parallel.h"
 #include "base/progress.h"
 #include "octree/coarse_bins.h"
+#include "octree/fast_child_test.h"
 #include "octree/top_tree.h"
 
 #include <algorithm>
@@ -14,40 +15,6 @@ namespace proxima {
 
 namespace {
 
-/// Vector lanes on the snapped grid.
-class FastChildTest final : public ChildTest {
-public:
-    explicit FastChildTest(const SnappedMesh& mesh) noexcept : mesh_(mesh) {}
-
-    void begin(const Subtree& subtree) override
-    {
-        mesh_.load(subtree.triangles, subtree.lower, local_);
-    }
-
-    void find_touched(const SplitLevel& level, int depth, std::uint32_t* masks) override
-    {
-        mesh_.find_touched(local_,
-                           {.pairs = level.pairs(),
-                            .half = 1 << (snapped_bits - depth - 1),
-                            .child_depth = depth + 1},
-                           scratch_, masks);
-    }
-
-private:
-    const SnappedMesh& mesh_;
-    LocalTriangles local_;
-    SnappedScratch scratch_;
-};
-
-GridPoint lower_corner(std::uint32_t cell, int depth) noexcept
-{
-    const auto coordinates = cell_coordinates({std::uint64_t{1} << (3 * depth) | cell});
-    const int shift = snapped_bits - depth;
-    return {static_cast<std::int32_t>(coordinates[0] << shift),
-            static_cast<std::int32_t>(coordinates[1] << shift),
-            static_cast<std::int32_t>(coordinates[2] << shift)};
-}
-
 /// Grows subtrees [begin, end) into `output`; their own nodes go to `roots`.
 Status grow_range(const SnappedMesh& mesh, const CoarseBins& bins,
                   const std::vector<SubtreeSlot>& slots, std::size_t begin, std::size_t end,
@@ -57,8 +24,9 @@ Status grow_range(const SnappedMesh& mesh, const CoarseBins& bins,
     FastChildTest test(mesh);
     for (std::size_t i = begin; i < end; ++i) {
         const std::uint32_t cell = slots[i].cell;
-        const auto root = grower.grow(
-            {lower_corner(cell, bins.depth), bins.depth, bins.triangles(cell)}, test, output);
+        const auto root = grower.grow({grid_corner({std::uint64_t{1} << (3 * bins.depth) | cell}),
+                                       bins.depth, bins.triangles(cell)},
+                                      test, output);
         if (!root) return tl::unexpected(root.error());
         roots[i] = *root;
         advance_stage(limits.progress, bins.count(cell));

@@ -1,27 +1,12 @@
 #include "proxima/octree.h"
 
+#include "octree/list_figures.h"
+
 #include <algorithm>
-#include <cmath>
 
 namespace proxima {
 
 namespace {
-
-__extension__ using WideUnsigned = unsigned __int128;
-
-/// Standard deviation of `count` integers from their exact sums.
-double population_deviation(std::uint64_t count, std::uint64_t sum, std::uint64_t sum_of_squares)
-{
-    if (count == 0) return 0.0;
-    const WideUnsigned spread =
-        WideUnsigned{count} * sum_of_squares - WideUnsigned{sum} * sum; // count^2 variances
-    return std::sqrt(static_cast<double>(spread)) / static_cast<double>(count);
-}
-
-double ratio(std::uint64_t part, std::uint64_t whole)
-{
-    return whole == 0 ? 0.0 : static_cast<double>(part) / static_cast<double>(whole);
-}
 
 struct Counter {
     OctreeStatistics& statistics;
@@ -76,13 +61,7 @@ OctreeStatistics octree_statistics(const Octree& octree) noexcept
     Counter counter{statistics, octree};
     traverse(octree, counter);
 
-    statistics.occupied_percent = 100.0 * ratio(statistics.occupied_leaves, statistics.leaves);
-    statistics.mean_triangles = ratio(statistics.references, statistics.occupied_leaves);
-    statistics.std_triangles = population_deviation(statistics.occupied_leaves,
-                                                    statistics.references, counter.sum_of_squares);
-    statistics.mean_all_leaves = ratio(statistics.references, statistics.leaves);
-    statistics.std_all_leaves =
-        population_deviation(statistics.leaves, statistics.references, counter.sum_of_squares);
+    set_list_figures(counter.sum_of_squares, statistics);
     statistics.bytes = octree.bytes();
     return statistics;
 }

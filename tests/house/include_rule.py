@@ -8,7 +8,7 @@ The public headers, include/proxima, each belong to one of these layers. They in
 of their own layer and those to its left, Eigen and the standard library only; result.h also
 tl/expected.hpp. proxima.h includes all of them, and the library's own files never include it.
 
-An app sees only itself among the apps, the viewer also the
+An app sees only itself among the apps, the viewer and the distributed program also the
 command line, and the program's main file all. Includes are
 written as the path below src/, include/ or apps/, files never include each other in a circle, and foreign
 headers stay in the layers that may use them. Nobody, tests and benchmarks neither, writes for one
@@ -26,7 +26,7 @@ RANK = {"base": 0, "geometry": 1, "mesh": 2, "minkowski": 3, "octree": 4,
 
 # Apps stand beside each other, but for those that may include another one. The program's main file
 # knows the commands of all.
-MAY_INCLUDE_APP = {"viewer": {"cli"}}
+MAY_INCLUDE_APP = {"viewer": {"cli"}, "distributed": {"cli"}}
 PROGRAM = "apps/cli/main.cpp"
 
 # Foreign headers (first part of the path) and the layers that may name them; None: all layers.
@@ -43,7 +43,7 @@ PUBLIC = {
     "mesh_io.h": "mesh", "mesh_repair.h": "mesh", "mesh_report.h": "mesh", "sample_meshes.h": "mesh",
     "topology.h": "mesh", "triangle_mesh.h": "mesh",
     "convex_polyhedron.h": "minkowski", "minkowski_sum.h": "minkowski",
-    "octree.h": "octree", "octree_io.h": "octree",
+    "grow_cells.h": "octree", "octree.h": "octree", "octree_io.h": "octree",
     "index_io.h": "index", "mesh_index.h": "index",
     "cast_ray.h": "query", "cells_along_ray.h": "query", "closest_feature.h": "query", "cull.h": "query",
     "intersect_meshes.h": "query", "mesh_distance.h": "query", "neighbourhood.h": "query",

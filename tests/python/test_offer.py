@@ -15,6 +15,7 @@ NO_PART_OF_IT = {
     "export.h": "for compilers",
     "function_ref.h": "C++ callbacks",
     "mesh_deviation.h": "not bound yet, `proxima deviation --json` does it",
+    "grow_cells.h": "parts of an octree, for programs that spread it over processes",
     "proxima.h": "includes the others",
     "scene.h": "scenes of placed indexes: not bound yet, `proxima scene` does it",
     "time_of_contact.h": "not bound yet, `proxima contact-time --json` answers",

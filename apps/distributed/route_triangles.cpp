@@ -1,0 +1,201 @@
+#include "distributed/route_triangles.h"
+
+#include "distributed/routed_forest.h"
+#include "octree/coarse_bins.h"
+
+#include <algorithm>
+
+namespace proxima {
+
+namespace {
+
+struct RoutedTriangle {
+    std::uint64_t id = 0;
+    TriangleCorners corners = {}; ///< among the vertices of the same sender
+};
+
+using Position = std::array<double, 3>;
+
+/// Where the grid is coarse against a cell, boxes would spread over all of them.
+int usable_depth(const OctreeFrame& frame, const RouteOptions& options)
+{
+    int depth = std::min({options.routing_depth, options.max_depth, max_routing_depth});
+    const TriangleMesh none;
+    const std::int32_t margin = SnappedMesh(none, frame, Threads{1}, nullptr).margin();
+    while (depth > 0 && margin > (1 << (snapped_bits - depth)) / 1024) --depth;
+    return depth;
+}
+
+/// The triangles of each cell of a depth. Throws std::bad_alloc.
+CoarseBins bins_of(const TriangleMesh& mesh, const OctreeFrame& frame, int depth)
+{
+    if (mesh.triangle_count() == 0) {
+        CoarseBins bins;
+        bins.depth = depth;
+        bins.first.assign((std::size_t{1} << (3 * depth)) + 1, 0);
+        return bins;
+    }
+    return bin_triangles(SnappedMesh(mesh, frame, Threads{1}, nullptr), depth, Threads{1}, nullptr);
+}
+
+/// Sets `ids` to the distinct triangles of a cell at or above the depth of the bins, ascending.
+void merge(const CoarseBins& bins, std::uint64_t cell, int depth, std::vector<std::uint32_t>& ids)
+{
+    const int shift = 3 * (bins.depth - depth);
+    const std::uint32_t first = bins.first[cell << shift];
+    const std::uint32_t end = bins.first[(cell + 1) << shift];
+    const auto below = bins.ids.span().subspan(first, end - first);
+    ids.assign(below.begin(), below.end());
+    if (shift == 0) return;
+    std::ranges::sort(ids);
+    ids.erase(std::unique(ids.begin(), ids.end()), ids.end());
+}
+
+std::vector<std::vector<CellCount>> count_cells(const CoarseBins& bins)
+{
+    std::vector<std::vector<CellCount>> counts;
+    std::vector<std::uint32_t> ids;
+    for (int depth = 0; depth <= bins.depth; ++depth) {
+        auto& at_depth = counts.emplace_back();
+        for (std::uint64_t cell = 0; cell < std::uint64_t{1} << (3 * depth); ++cell) {
+            merge(bins, cell, depth, ids);
+            if (!ids.empty()) at_depth.push_back({cell, ids.size()});
+        }
+    }
+    return counts;
+}
+
+struct Messages {
+    std::vector<std::vector<RoutedTriangle>> triangles;
+    std::vector<std::vector<Position>> vertices;
+};
+
+/// The triangles of one rank, with the vertices that they use.
+void pack(const MeshSlice& slice, const std::vector<std::uint32_t>& ids,
+          std::vector<RoutedTriangle>& triangles, std::vector<Position>& vertices)
+{
+    std::vector<std::uint32_t> used;
+    for (const std::uint32_t id : ids) {
+        const TriangleCorners& corners = slice.mesh.triangles()[id];
+        used.insert(used.end(), corners.begin(), corners.end());
+    }
+    std::ranges::sort(used);
+    used.erase(std::unique(used.begin(), used.end()), used.end());
+    for (const std::uint32_t vertex : used) {
+        const Vec3& at = slice.mesh.positions()[vertex];
+        vertices.push_back({at[0], at[1], at[2]});
+    }
+    for (const std::uint32_t id : ids) {
+        RoutedTriangle& triangle = triangles.emplace_back();
+        triangle.id = slice.first_triangle + id;
+        for (std::size_t k = 0; k < 3; ++k) {
+            const auto at = std::ranges::lower_bound(used, slice.mesh.triangles()[id][k]);
+            triangle.corners[k] = static_cast<std::uint32_t>(at - used.begin());
+        }
+    }
+}
+
+Messages pack_all(const MeshSlice& slice, const CoarseBins& bins, const RoutedForest& forest,
+                  std::size_t ranks)
+{
+    std::vector<std::vector<std::uint32_t>> ids(ranks);
+    for (std::size_t cell = 0; cell < bins.cell_count(); ++cell) {
+        if (bins.count(cell) == 0) continue;
+        auto& to = ids[static_cast<std::size_t>(forest.owner(cell, bins.depth))];
+        const auto here = bins.triangles(cell);
+        to.insert(to.end(), here.begin(), here.end());
+    }
+    Messages messages{std::vector<std::vector<RoutedTriangle>>(ranks),
+                      std::vector<std::vector<Position>>(ranks)};
+    for (std::size_t r = 0; r < ranks; ++r) {
+        std::ranges::sort(ids[r]);
+        ids[r].erase(std::unique(ids[r].begin(), ids[r].end()), ids[r].end());
+        pack(slice, ids[r], messages.triangles[r], messages.vertices[r]);
+        std::vector<std::uint32_t>().swap(ids[r]);
+    }
+    return messages;
+}
+
+Status unpack(const Received<RoutedTriangle>& triangles, const Received<Position>& vertices,
+              RoutedPart& part)
+{
+    std::vector<Vec3> positions;
+    positions.reserve(vertices.items.size());
+    for (const Position& at : vertices.items) positions.emplace_back(at[0], at[1], at[2]);
+    std::vector<TriangleCorners> corners;
+    corners.reserve(triangles.items.size());
+    part.triangles.reserve(triangles.items.size());
+    for (std::size_t r = 0; r + 1 < triangles.first.size(); ++r) {
+        const auto shift = static_cast<std::uint32_t>(vertices.first[r]);
+        for (std::size_t i = triangles.first[r]; i < triangles.first[r + 1]; ++i) {
+            const RoutedTriangle& triangle = triangles.items[i];
+            part.triangles.push_back(triangle.id);
+            corners.push_back({triangle.corners[0] + shift, triangle.corners[1] + shift,
+                               triangle.corners[2] + shift});
+        }
+    }
+    auto mesh = make_triangle_mesh(std::move(positions), std::move(corners));
+    if (!mesh) return tl::unexpected(mesh.error());
+    part.mesh = std::move(*mesh);
+    return {};
+}
+
+/// Fills the lists of part.keys.
+Status list_triangles(const OctreeFrame& frame, int routing_depth, RoutedPart& part)
+{
+    const CoarseBins bins = bins_of(part.mesh, frame, routing_depth);
+    std::vector<std::uint32_t> ids;
+    part.first.push_back(0);
+    for (const CellKey key : part.keys) {
+        const int level = depth(key);
+        merge(bins, key.bits ^ (std::uint64_t{1} << (3 * level)), level, ids);
+        for (const std::uint32_t id : ids) part.lists.push_back(TriangleId{id});
+        part.first.push_back(part.lists.size());
+    }
+    return {};
+}
+
+} // namespace
+
+Result<RoutedPart> route_triangles(MeshSlice slice, const OctreeFrame& frame,
+                                   const RouteOptions& options, World& world)
+{
+    const int routing_depth = usable_depth(frame, options);
+    CoarseBins bins;
+    std::vector<std::vector<CellCount>> counts;
+    Status status = world.agree_on([&]() -> Status {
+        bins = bins_of(slice.mesh, frame, routing_depth);
+        counts = count_cells(bins);
+        return {};
+    });
+    if (!status) return tl::unexpected(status.error());
+    RoutedForest forest;
+    status = forest.build(counts, options.threshold, world);
+    if (!status) return tl::unexpected(status.error());
+
+    Messages messages;
+    status = world.agree_on([&]() -> Status {
+        messages = pack_all(slice, bins, forest, static_cast<std::size_t>(world.size()));
+        slice = MeshSlice{};
+        bins = CoarseBins{};
+        return {};
+    });
+    if (!status) return tl::unexpected(status.error());
+    auto triangles = world.exchange(std::move(messages.triangles));
+    if (!triangles) return tl::unexpected(triangles.error());
+    auto vertices = world.exchange(std::move(messages.vertices));
+    if (!vertices) return tl::unexpected(vertices.error());
+    RoutedPart part;
+    status = world.agree_on([&]() -> Status {
+        auto unpacked = unpack(*triangles, *vertices, part);
+        if (!unpacked) return unpacked;
+        *triangles = {};
+        *vertices = {};
+        part.keys = forest.cells();
+        return list_triangles(frame, routing_depth, part);
+    });
+    if (!status) return tl::unexpected(status.error());
+    return part;
+}
+
+} // namespace proxima

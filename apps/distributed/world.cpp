@@ -1,0 +1,69 @@
+#include "distributed/world.h"
+
+#include <string>
+
+namespace proxima {
+
+World::World()
+{
+    MPI_Comm_rank(MPI_COMM_WORLD, &rank_);
+    MPI_Comm_size(MPI_COMM_WORLD, &size_);
+}
+
+Status World::agree(const Status& status) const
+{
+    int first = status ? size_ : rank_;
+    MPI_Allreduce(MPI_IN_PLACE, &first, 1, MPI_INT, MPI_MIN, MPI_COMM_WORLD);
+    if (first == size_) return {};
+    Error error = first == rank_ ? status.error() : Error{};
+    int code = static_cast<int>(error.code);
+    MPI_Bcast(&code, 1, MPI_INT, first, MPI_COMM_WORLD);
+    error.code = static_cast<ErrorCode>(code);
+    for (std::string* const text : {&error.message, &error.where}) {
+        auto length = static_cast<std::uint64_t>(text->size());
+        MPI_Bcast(&length, 1, MPI_UINT64_T, first, MPI_COMM_WORLD);
+        text->resize(length);
+        MPI_Bcast(text->data(), static_cast<int>(length), MPI_CHAR, first, MPI_COMM_WORLD);
+    }
+    return tl::unexpected(error);
+}
+
+std::uint64_t World::sum(std::uint64_t value) const
+{
+    MPI_Allreduce(MPI_IN_PLACE, &value, 1, MPI_UINT64_T, MPI_SUM, MPI_COMM_WORLD);
+    return value;
+}
+
+std::uint64_t World::max(std::uint64_t value) const
+{
+    MPI_Allreduce(MPI_IN_PLACE, &value, 1, MPI_UINT64_T, MPI_MAX, MPI_COMM_WORLD);
+    return value;
+}
+
+std::uint64_t World::min(std::uint64_t value) const
+{
+    MPI_Allreduce(MPI_IN_PLACE, &value, 1, MPI_UINT64_T, MPI_MIN, MPI_COMM_WORLD);
+    return value;
+}
+
+std::uint64_t World::sum_before(std::uint64_t value) const
+{
+    std::uint64_t before = 0;
+    MPI_Exscan(&value, &before, 1, MPI_UINT64_T, MPI_SUM, MPI_COMM_WORLD);
+    return rank_ == 0 ? 0 : before;
+}
+
+std::vector<std::uint64_t> World::gather(std::uint64_t value) const
+{
+    std::vector<std::uint64_t> values(rank_ == 0 ? static_cast<std::size_t>(size_) : 0);
+    MPI_Gather(&value, 1, MPI_UINT64_T, values.data(), 1, MPI_UINT64_T, 0, MPI_COMM_WORLD);
+    return values;
+}
+
+tl::unexpected<Error> World::too_many()
+{
+    return fail(ErrorCode::limit_exceeded,
+                "a rank would send or receive more than 2^31 items at once: use more ranks");
+}
+
+} // namespace proxima

@@ -1,0 +1,124 @@
+"""proxima-mpi on 1 to 4 ranks: the octree is that of one process, and what cannot be done ends all ranks with one message."""
+import os
+import random
+import struct
+import subprocess
+import tempfile
+import unittest
+from pathlib import Path
+
+PROXIMA, PROGRAM, MPIRUN = (os.environ[name] for name in ("PROXIMA", "PROXIMA_MPI", "MPIRUN"))
+SECONDS = 200
+
+
+def run(ranks, *arguments):
+    root = ["--allow-run-as-root"] if os.geteuid() == 0 else []
+    return subprocess.run([MPIRUN, *root, "--oversubscribe", "-n", str(ranks), PROGRAM, *map(str, arguments)],
+                          capture_output=True, text=True, timeout=SECONDS)
+
+
+def ply(positions, triangles):
+    header = (f"ply\nformat binary_little_endian 1.0\nelement vertex {len(positions)}\nproperty double x\nproperty double y\n"
+              f"property double z\nelement face {len(triangles)}\nproperty list uchar int vertex_indices\nend_header\n")
+    return (header.encode() + b"".join(struct.pack("<3d", *at) for at in positions)
+            + b"".join(struct.pack("<B3i", 3, *corners) for corners in triangles))
+
+
+def nasty_mesh(seed):
+    """Slivers, corners on cell planes and triangles across everything, in no order."""
+    chance = random.Random(seed)
+    kinds = [lambda: [float(chance.randrange(9)) for _ in range(3)],
+             lambda: [chance.uniform(0, 8) for _ in range(3)]]
+    positions = [kinds[seed % 2]() for _ in range(chance.randrange(3, 200))]
+    count = chance.randrange(1, 300)
+    return positions, [[chance.randrange(len(positions)) for _ in range(3)] for _ in range(count)]
+
+
+class DistributedTest(unittest.TestCase):
+    def setUp(self):
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        self.folder = Path(folder.name)
+
+    def file(self, name, content):
+        path = self.folder / name
+        path.write_bytes(content)
+        return path
+
+
+class Octree(DistributedTest):
+    def expect_same(self, model, *options, ranks=(1, 2, 3, 4)):
+        for count in ranks:
+            result = run(count, "octree", model, *options, "--verify")
+            self.assertEqual(result.returncode, 0, f"{model} on {count} ranks: {result.stderr}")
+            self.assertIn("Leaves and lists are those of one process.", result.stdout)
+        return result.stdout
+
+    def test_torus(self):
+        self.expect_same("torus:200x100", "--depth", 7, "--threshold", 8)
+        self.expect_same("torus:3x3", "--depth", 4)
+
+    def test_few_cells_for_the_ranks(self):
+        self.expect_same("torus:9x9", "--depth", 0)
+        self.expect_same("torus:9x9", "--depth", 6, "--threshold", 2, "--routing-depth", 0, ranks=(1, 3))
+        self.expect_same("torus:9x9", "--depth", 6, "--threshold", 1000, ranks=(4,))
+
+    def test_ply_files(self):
+        subprocess.run([PROXIMA, "repair", "spaceship:6000", "--out", self.folder / "ship.ply"], check=True, capture_output=True)
+        self.expect_same(self.folder / "ship.ply", "--depth", 8, "--threshold", 4)
+
+    def test_nasty_meshes(self):
+        for seed in range(6):
+            path = self.file(f"nasty_{seed}.ply", ply(*nasty_mesh(seed)))
+            self.expect_same(path, "--depth", 4 + seed % 2, "--threshold", seed, "--routing-depth", 1 + seed, ranks=(1 + seed % 4, 4))
+
+    def test_statistics_are_those_of_the_program(self):
+        options = ["--depth", 7, "--threshold", 8]
+        one = subprocess.run([PROXIMA, "octree", "torus:200x100", *map(str, options)], capture_output=True, text=True, check=True).stdout
+        figures = next(line for line in one.splitlines() if line.split()[:2] == ["7", "8"])
+        self.assertIn(figures.split(), [line.split() for line in run(3, "octree", "torus:200x100", *options).stdout.splitlines()])
+
+
+class Errors(DistributedTest):
+    def refuse(self, content, *says, name="mesh.ply", ranks=3):
+        path = self.file(name, content)
+        result = run(ranks, "octree", path)
+        self.assertEqual(result.returncode, 1, result.stderr)
+        self.assertEqual(result.stdout.count("triangles,"), 0)
+        lines = [line for line in result.stderr.splitlines() if line.startswith("proxima-mpi: ")]
+        self.assertEqual(len(lines), 1, result.stderr)
+        for part in says:
+            self.assertIn(part, lines[0])
+
+    def test_a_cut_file(self):
+        whole = ply(*nasty_mesh(1))
+        for length in (0, 3, 50, 200, len(whole) // 2, len(whole) - 1):
+            self.refuse(whole[:length], "mesh.ply" if length > 0 else "")
+        self.refuse(whole[:-1], "cut off")
+        self.refuse(whole + b"x", "bytes")
+
+    def test_files_that_are_not_of_triangles(self):
+        positions, triangles = nasty_mesh(3)
+        bad = bytearray(ply(positions, triangles))
+        bad[-4:] = struct.pack("<i", len(positions))
+        self.refuse(bytes(bad), f"uses vertex {len(positions)}")
+        bad = bytearray(ply(positions, triangles))
+        bad[-13] = 4
+        self.refuse(bytes(bad), "4 corners")
+        positions[triangles[-1][0]] = [float("nan"), 0, 0]
+        self.refuse(ply(positions, triangles), "NaN")
+
+    def test_files_that_are_not_there_or_of_another_kind(self):
+        result = run(2, "octree", self.folder / "none.ply")
+        self.assertEqual(result.returncode, 1)
+        self.assertEqual(result.stderr.count("proxima-mpi: "), 1, result.stderr)
+        self.refuse(b"", "torus:NxM", name="mesh.obj")
+
+    def test_wrong_usage(self):
+        for arguments in (["--depth", "19"], ["--routing-depth", "7"], ["--threshold", "-1"]):
+            result = run(2, "octree", "torus:9x9", *arguments)
+            self.assertEqual(result.returncode, 2, result.stderr)
+
+
+if __name__ == "__main__":
+    unittest.main()
