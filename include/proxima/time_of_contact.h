@@ -95,8 +95,10 @@ struct TimeOfContactOptions {
 /// from 0 to 1, or where a mesh is empty. The proof holds for the motion as defined, and for B's
 /// vertices as pose_at rounds them. Its margin is 2^-45 (1 + angle / 4) of the coordinates, those of
 /// the path and the center included: what passes A at less ends the search by `rounding`. Real-time
-/// safe: noexcept, no allocation, no lock, 0.2 MB of stack; any number of threads. Some ten distances
-/// of meshes (mesh_distance.h): indexes with slabs are faster. \pre check_motion(motion), the start is
+/// safe: noexcept, no allocation, no lock, 0.2 MB of stack; any number of threads. Eight distances of
+/// meshes (mesh_distance.h), median, of scans; seconds where more than 256 pairs of triangles are about as
+/// near as the nearest, as of fine meshes that slide along each other: bound max_steps. Indexes with
+/// slabs are faster. \pre check_motion(motion), the start is
 /// rigid, moved coordinates are finite
 [[nodiscard]] std::optional<TimeOfContact>
 time_of_contact(const MeshIndex& a, const MeshIndex& b, const RigidMotion& motion,

@@ -60,7 +60,8 @@ Status check_solid(const TriangleMesh& mesh, double scale, const Execution& exec
         return refuse(concat("a component of the mesh is turned inside out or a cavity, or has no "
                              "volume: the mesh is oriented ",
                              name_of(report->orientation),
-                             ", and outward is needed; turn it (proxima repair)"));
+                             ", and outward is needed; turn what is inside out (proxima repair), "
+                             "and leave cavities out: repair would fill them"));
     }
     return {};
 }
