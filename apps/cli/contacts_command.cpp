@@ -157,7 +157,10 @@ Status run_contacts(const ContactsOptions& options, Session& session)
             found.depth = *depth;
             found.depth_seconds = depth_watch.seconds();
             const Stopwatch region_watch;
-            found.regions = contact_regions(*a, *b, read.poses[i]);
+            auto regions =
+                contact_regions(*a, *b, read.poses[i], {.execution = session.execution()});
+            if (!regions) return tl::unexpected(regions.error());
+            found.regions = std::move(*regions);
             found.region_seconds = region_watch.seconds();
             rows.push_back(json_of(found));
             if (i < shown_poses) text += fmt::format("pose {}: {}", i, text_of(found));
@@ -201,13 +204,13 @@ Command add_contacts_command(CLI::App& app)
     parser
         ->add_option("--points", options->search.max_points,
                      "Points that are looked at for the lower bound of the depth")
-        ->check(CLI::Range(0U, 1000000000U))
+        ->check(CLI::Range(0U, max_penetration_search))
         ->capture_default_str()
         ->type_name("N");
     parser
         ->add_option("--directions", options->search.max_directions,
                      "Directions round the sphere that are tried for the upper bound")
-        ->check(CLI::Range(0U, 1000000000U))
+        ->check(CLI::Range(0U, max_penetration_search))
         ->capture_default_str()
         ->type_name("N");
     return {parser, [options](Session& session) { return run_contacts(*options, session); }};

@@ -3,7 +3,7 @@
 //     auto a = build_solid(*index_a);                       // once per mesh; as b
 //     auto depth = penetration_depth(*a, *b, pose_b);       // how far B must move to be free
 //     move_b(depth->translation);
-//     for (const ContactRegion& region : contact_regions(*a, *b, pose_b))
+//     for (const auto& region : contact_regions(*a, *b, pose_b)->regions)
 //         for (const RegionPoint& p : region.contacts()) push(p.on_a, p.on_b, region.normal);
 //
 //          ______________                penetration depth: the shortest translation of B that
@@ -44,8 +44,9 @@ public:
     /// Whether the mesh is its convex hull, up to hull_error().
     [[nodiscard]] bool is_convex() const noexcept;
     /// Of a convex mesh: no point of its hull is farther from the solid, as coordinates of round shapes
-    /// are rounded and their faces are never quite flat; 0 where it is its hull but for roundings.
-    /// In the mesh's unit.
+    /// are rounded and their faces are never quite flat. 0 where exact predicates say that it is its
+    /// hull; they are asked of meshes of up to 2^20 pairs of a triangle and a corner of the hull. In the
+    /// mesh's unit.
     [[nodiscard]] double hull_error() const noexcept;
 
     /// For the library's own searches.
@@ -93,14 +94,19 @@ struct PenetrationDepth {
     Vec3 direction = Vec3::Zero(); ///< of `translation`, of length 1; zero where they are apart
     /// Added to the translation of B's pose, it makes solids_overlap say no.
     Vec3 translation = Vec3::Zero();
-    /// Where balls in A and in B, both about this point, are together the largest: half the reason
-    /// for `lower` of the method `bounds`. Else a point of both, or zero where they are apart.
+    /// A point of both, but for roundings and hull errors; zero where they are apart. Of the method
+    /// `bounds` with a `lower` above 0 that where balls in A and in B, both about it, are together the
+    /// largest that were found: the reason for `lower`.
     Vec3 deepest = Vec3::Zero();
     PenetrationMethod method = PenetrationMethod::apart;
 };
 
+/// Of points and of directions that may be asked for.
+inline constexpr std::uint32_t max_penetration_search = 1'000'000;
+
 struct PenetrationOptions {
-    std::uint32_t max_points = 4000; ///< at which distances to both surfaces are taken, for `lower`
+    /// At which distances to both surfaces are taken, for `lower`; 64 bytes each.
+    std::uint32_t max_points = 4000;
     std::uint32_t max_directions = 48; ///< that are tried besides those of hull, axes and surfaces
     Execution execution = {};          ///< one thread
 };
@@ -117,17 +123,23 @@ struct PenetrationOptions {
 /// have a common centre, and B must move by a + b at least to part them; branch and bound looks
 /// for the largest sum.
 ///
-/// Errors: limit_exceeded (of the sum), cancelled. Convex: O(facets of the sum). Others: some
-/// 10 ms on scanned models. Allocates. Thread safe. The same for every instruction set, and on every
+/// A pose's matrix may be no rotation by a little: answers are those of B's vertices as it moves them.
+///
+/// Errors: invalid_argument (a number of the pose is NaN or infinite, its matrix is no rotation by
+/// more than nearly_rigid_tolerance), limit_exceeded (of the sum; options above
+/// max_penetration_search), cancelled. Convex: O(facets of the sum). Others: 10 to 400 ms for
+/// models of thousands of triangles. Allocates. Thread safe. The same for every instruction set, and on every
 /// machine whose C library has the same sines.
 [[nodiscard]] Result<PenetrationDepth> penetration_depth(const Solid& a, const Solid& b,
                                                          const RigidTransform& pose_b = {},
                                                          const PenetrationOptions& options = {});
 
-/// Points of a line along a region's normal where it enters and leaves what A and B have in common.
+/// Points of a line along a region's normal where it enters and leaves what A and B have in common. Both
+/// are on the surface of what is common. Where the line leaves B before A, as where B is thin or has turned
+/// past the normal, `on_a` is on B's surface and inside of A; likewise `on_b`.
 struct RegionPoint {
-    Vec3 on_a = Vec3::Zero(); ///< the end along the normal
-    Vec3 on_b = Vec3::Zero(); ///< the end against the normal
+    Vec3 on_a = Vec3::Zero(); ///< the end along the normal: most often on A's surface
+    Vec3 on_b = Vec3::Zero(); ///< the end against the normal: most often on B's surface
     double depth = 0;         ///< how far apart the two are
 };
 
@@ -140,7 +152,8 @@ struct ContactRegion {
     Vec3 position = Vec3::Zero(); ///< mean of the contour's segments by length
     /// From A to B, of length 1: of the plane that the contour's loops span, by their vector area; of
     /// a contour that spans none, by the surfaces along it. Where the faces at both ends of the middle line
-    /// are parallel, theirs.
+    /// are parallel, theirs. Where faces of both share a plane: of the one so found, and the normals of
+    /// faces at the region that look at each other, that of the least depth.
     Vec3 normal = Vec3::Zero();
     /// The largest depth found, no more than the region's greatest one; 0 where they only touch.
     double depth = 0;
@@ -165,13 +178,19 @@ struct ContactRegions {
     std::vector<ContactRegion> regions;
 };
 
+struct ContactRegionOptions {
+    Execution execution = {}; ///< one thread; stage "measuring contact regions"
+};
+
 /// The contact regions of A and B moved by the pose. Lines of the contour that have a point in common
 /// are one region. None where the surfaces do not meet, as where one mesh is inside the other. Of
 /// each region at most four points: the deepest, the farthest from it, the farthest from the line
 /// through both, and the one that makes the largest quadrilateral, seen along the normal. Allocates.
-/// Thread safe. 4 us per pair of triangles that meet, and 0.3 to 10 ms per region. The same as
-/// penetration_depth is. \pre differences of coordinates are finite
-[[nodiscard]] ContactRegions contact_regions(const Solid& a, const Solid& b,
-                                             const RigidTransform& pose_b = {});
+/// Thread safe. 4 us per pair of triangles that meet, and 0.3 to 10 ms per region, 30 ms of flush
+/// faces. The same as penetration_depth is. Errors: invalid_argument (as penetration_depth's), cancelled.
+/// \pre differences of coordinates are finite
+[[nodiscard]] Result<ContactRegions> contact_regions(const Solid& a, const Solid& b,
+                                                     const RigidTransform& pose_b = {},
+                                                     const ContactRegionOptions& options = {});
 
 } // namespace proxima

@@ -57,8 +57,9 @@ inline constexpr double max_motion_turn = 65536;
 /// What a time of contact rests on.
 enum class ContactEvidence : std::uint8_t {
     intersection, ///< the meshes meet at touches_at, as meshes_intersect decides, exactly
-    /// They are nearer at free_until than roundings of their coordinates, and do not meet within the
-    /// tolerance: contact can be neither shown nor excluded.
+    /// They are nearer at free_until than roundings of their coordinates, and do not meet at the times
+    /// that were tried: the tolerance and 4, 16 and 64 margins (below) later. Contact can be neither
+    /// shown nor excluded.
     rounding,
     steps ///< max_steps were taken: touching or not, they come very near and stay so
 };
@@ -68,8 +69,8 @@ struct TimeOfContact {
     /// where they meet at the start.
     double free_until = 0;
     /// A time at which they meet; the first contact is between the two. At most the tolerance later, or
-    /// the time in which the fastest point of B moves by 64 margins (below). Infinity where the evidence
-    /// is no intersection.
+    /// the time in which the fastest point of B moves by 64 margins (below), or the next double, the
+    /// latest of these. Infinity where the evidence is no intersection.
     double touches_at = 0;
     ContactEvidence evidence = ContactEvidence::intersection;
 
@@ -86,7 +87,7 @@ struct TimeOfContact {
 };
 
 struct TimeOfContactOptions {
-    double tolerance = 1e-9;         ///< of the time; 0 to 1
+    double tolerance = 1e-9;         ///< of the time; 0 to 1, and 0 if NaN
     std::uint32_t max_steps = 10000; ///< at least 1
 };
 
@@ -94,8 +95,10 @@ struct TimeOfContactOptions {
 /// from 0 to 1, or where a mesh is empty. The proof holds for the motion as defined, and for B's
 /// vertices as pose_at rounds them. Its margin is 2^-45 (1 + angle / 4) of the coordinates, those of
 /// the path and the center included: what passes A at less ends the search by `rounding`. Real-time
-/// safe: noexcept, no allocation, no lock, 0.2 MB of stack; any number of threads. Some ten distances
-/// of meshes (mesh_distance.h): indexes with slabs are faster. \pre check_motion(motion), the start is
+/// safe: noexcept, no allocation, no lock, 0.2 MB of stack; any number of threads. Eight distances of
+/// meshes (mesh_distance.h), median, of scans; seconds where more than 256 pairs of triangles are about as
+/// near as the nearest, as of fine meshes that slide along each other: bound max_steps. Indexes with
+/// slabs are faster. \pre check_motion(motion), the start is
 /// rigid, moved coordinates are finite
 [[nodiscard]] std::optional<TimeOfContact>
 time_of_contact(const MeshIndex& a, const MeshIndex& b, const RigidMotion& motion,

@@ -101,6 +101,12 @@ class Contacts(ProgramTest):
         inward = self.file("inward.off", off([(0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1)], [(0, 1, 2), (0, 3, 1), (1, 3, 2), (0, 2, 3)]))
         self.refuse("contacts", inward, "cube", says=("inside out", "inward.off"))
         self.refuse("contacts", "cube", "cube", "--points", "-1", status=2, says="--points")
+        self.refuse("contacts", "cube", "cube", "--directions", "1000000000", status=2, says="--directions")
+
+    def test_flush_cubes_face_across_the_least_depth(self):
+        region, = self.json_of("contacts", "cube", "cube", "--pose", "0,0,1.9")["poses"][0]["regions"]
+        self.assertEqual([round(x, 9) for x in region["normal"]], [0, 0, 1])
+        self.assertAlmostEqual(region["depth"], 0.1, delta=1e-12)
 
 
 if __name__ == "__main__":

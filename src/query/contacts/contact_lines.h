@@ -29,7 +29,7 @@ class PROXIMA_HIDDEN ContactLines {
 public:
     /// The parts must outlive it.
     ContactLines(const SolidParts& a, const SolidParts& b, const RigidTransform& pose_b)
-        : a_(a), b_(b), pose_(pose_b), back_(pose_b.inverse())
+        : a_(a), b_(b), pose_(pose_b), back_(true_inverse(pose_b))
     {}
 
     [[nodiscard]] SurfaceNormals surfaces_at(const Vec3& p) const
@@ -40,7 +40,7 @@ public:
             const Triangle t = solid.mesh.triangle(closest->triangle);
             return unit_normal({t[0], t[1]}, {t[0], t[2]});
         };
-        return {normal(a_, p), pose_.rotation * normal(b_, back_(p))};
+        return {normal(a_, p), (pose_.rotation * normal(b_, back_(p))).stableNormalized()};
     }
 
     /// The piece of the line through p along the normal that lies in both; nothing where p is not in
@@ -72,7 +72,7 @@ private:
     [[nodiscard]] double leaves_at(const Vec3& from, const Vec3& direction) const
     {
         return std::min(leaves_at(a_.index, from, direction),
-                        leaves_at(b_.index, back_(from), pose_.rotation.transpose() * direction));
+                        leaves_at(b_.index, back_(from), back_.rotation * direction));
     }
 
     /// The end of the piece of the ray that is in the solid. What is between two hits is inside or

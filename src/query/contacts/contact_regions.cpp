@@ -1,4 +1,6 @@
 #include "base/disjoint_sets.h"
+#include "base/progress.h"
+#include "geometry/closest_point.h"
 #include "proxima/contacts.h"
 #include "query/contacts/contact_lines.h"
 #include "query/contacts/solid_parts.h"
@@ -6,6 +8,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <optional>
 #include <tuple>
 #include <utility>
 
@@ -18,13 +21,17 @@ struct RegionSums {
     Vec3 weighted = Vec3::Zero(); ///< middles of segments times lengths, from the first point
     Vec3 from_surfaces = Vec3::Zero();
     double length = 0;
+    bool is_flush = false; ///< somewhere the surfaces are parallel, as where faces share a plane
 };
+
+constexpr double parallel_faces = 1 - 1e-6; ///< of normals' product: in one plane, or as good as
 
 class RegionMaker {
 public:
     RegionMaker(const Solid& a, const Solid& b, const RigidTransform& pose_b,
                 const IntersectionContour& contour)
-        : lines_(a.parts(), b.parts(), pose_b), contour_(contour)
+        : a_(a.parts()), b_(b.parts()), pose_(pose_b), lines_(a.parts(), b.parts(), pose_b),
+          contour_(contour)
     {}
 
     ContactRegion make(std::span<const std::size_t> numbers)
@@ -40,7 +47,7 @@ public:
         region.normal = normal_of(area, sums);
         straighten(region);
         add_points(region, numbers);
-        return region;
+        return sums.is_flush ? least_deep(region, numbers) : region;
     }
 
 private:
@@ -65,7 +72,9 @@ private:
                 const Vec3 middle = 0.5 * (from - first) + 0.5 * (to - first);
                 sums.length += length;
                 sums.weighted += length * middle;
-                sums.from_surfaces += length * lines_.surfaces_at(first + middle).apart();
+                const SurfaceNormals normals = lines_.surfaces_at(first + middle);
+                sums.from_surfaces += length * normals.apart();
+                if (std::abs(normals.of_a.dot(normals.of_b)) > parallel_faces) sums.is_flush = true;
             });
         }
         if (sums.length == 0) sums.from_surfaces = lines_.surfaces_at(first).apart();
@@ -245,8 +254,65 @@ private:
             least * region.length);
     }
 
+    /// Where faces share a plane, the contour runs round what they share and says little about the
+    /// normal. Of all pairs of faces there that look at each other, and of the normal found without them,
+    /// the one of the least depth.
+    ContactRegion least_deep(const ContactRegion& plain, std::span<const std::size_t> numbers)
+    {
+        ContactRegion best = plain;
+        for (const Vec3& normal : facing_normals(plain, numbers)) {
+            ContactRegion region = plain;
+            region.normal = normal;
+            region.point_count = 0;
+            region.depth = 0;
+            add_points(region, numbers);
+            if (region.depth < best.depth) best = region;
+        }
+        return best;
+    }
+
+    /// Normals of A's faces at the region that B's faces there look at.
+    std::vector<Vec3> facing_normals(const ContactRegion& region,
+                                     std::span<const std::size_t> numbers)
+    {
+        std::vector<Vec3> points;
+        for (const std::size_t number : numbers) {
+            for (const ContourPoint& point : contour_.points_of(contour_.lines[number]))
+                points.push_back(point.position);
+        }
+        if (!pairs_) pairs_ = intersecting_pairs(a_.index, b_.index, pose_);
+        constexpr std::size_t most = 1 << 22; // of distances: meshes with flush faces are simple
+        if (points.size() * pairs_->size() > most) return {};
+        const double near = 1e-9 * region.length;
+        std::vector<Vec3> of_a;
+        std::vector<Vec3> of_b;
+        const auto add = [&](const Triangle& t, std::vector<Vec3>& normals) {
+            const bool is_there = std::ranges::any_of(points, [&](const Vec3& p) {
+                return (closest_point(t, p).point - p).stableNorm() <= near;
+            });
+            const Vec3 normal = unit_normal({t[0], t[1]}, {t[0], t[2]});
+            const bool is_new = std::ranges::none_of(
+                normals, [&](const Vec3& other) { return other.dot(normal) > parallel_faces; });
+            if (is_there && is_new) normals.push_back(normal);
+        };
+        for (const TrianglePair& pair : *pairs_) {
+            add(a_.mesh.triangle(pair.a), of_a);
+            add(pose_(b_.mesh.triangle(pair.b)), of_b);
+        }
+        std::vector<Vec3> facing;
+        for (const Vec3& u : of_a) {
+            for (const Vec3& v : of_b)
+                if (u.dot(v) < -parallel_faces) facing.push_back((u - v).normalized());
+        }
+        return facing;
+    }
+
+    const SolidParts& a_;
+    const SolidParts& b_;
+    RigidTransform pose_;
     ContactLines lines_;
     const IntersectionContour& contour_;
+    std::optional<std::vector<TrianglePair>> pairs_; ///< that meet; where some faces are flush
 };
 
 /// The lines of the contour by what they are joined to, in their order.
@@ -287,17 +353,26 @@ std::vector<std::vector<std::size_t>> joined_lines(const IntersectionContour& co
 
 } // namespace
 
-ContactRegions contact_regions(const Solid& a, const Solid& b, const RigidTransform& pose_b)
+Result<ContactRegions> contact_regions(const Solid& a, const Solid& b, const RigidTransform& pose_b,
+                                       const ContactRegionOptions& options)
 {
+    if (Status status = check_pose(pose_b); !status) return tl::unexpected(status.error());
+    Progress* const progress = options.execution.progress;
+    const auto stopped = [] { return cancelled("finding contact regions"); };
+    if (is_cancelled(progress)) return stopped();
     ContactRegions found;
     found.contour = intersection_contour(a.index(), b.index(), pose_b);
     RegionMaker maker(a, b, pose_b, found.contour);
-    for (const auto& numbers : joined_lines(found.contour)) {
+    const auto joined = joined_lines(found.contour);
+    begin_stage(progress, "measuring contact regions", joined.size());
+    for (const auto& numbers : joined) {
+        if (is_cancelled(progress)) return stopped();
         ContactRegion region = maker.make(numbers);
         region.first_line = found.lines.size();
         region.line_count = numbers.size();
         found.lines.insert(found.lines.end(), numbers.begin(), numbers.end());
         found.regions.push_back(region);
+        advance_stage(progress, 1);
     }
     return found;
 }

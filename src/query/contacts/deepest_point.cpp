@@ -1,5 +1,6 @@
 #include "query/contacts/deepest_point.h"
 
+#include "base/progress.h"
 #include "proxima/signed_distance.h"
 
 #include <algorithm>
@@ -43,14 +44,14 @@ Box hull_box(const ConvexPolyhedron& hull, const RigidTransform& pose)
 class DeepestSearch {
 public:
     DeepestSearch(const SolidParts& a, const SolidParts& b, const RigidTransform& pose_b,
-                  std::uint32_t max_points)
-        : a_(a), b_(b), back_(pose_b.inverse()), left_(max_points)
+                  std::uint32_t max_points, const Progress* progress)
+        : a_(a), b_(b), back_(true_inverse(pose_b)), left_(max_points), progress_(progress)
     {}
 
     DeepestPoint find(const Box& box)
     {
         add(box.center(), 0.5 * box.extent());
-        while (!cells_.empty() && left_ > 0) {
+        while (!cells_.empty() && left_ > 0 && !is_cancelled(progress_)) {
             const SearchCell cell = cells_.top();
             cells_.pop();
             constexpr double enough = 1 + 1e-4;
@@ -116,6 +117,7 @@ private:
     const SolidParts& b_;
     RigidTransform back_;
     std::uint32_t left_;
+    const Progress* progress_;
     std::uint32_t next_ = 0;
     DeepestPoint best_;
     std::priority_queue<SearchCell> cells_;
@@ -124,13 +126,14 @@ private:
 } // namespace
 
 DeepestPoint find_deepest_point(const SolidParts& a, const SolidParts& b,
-                                const RigidTransform& pose_b, std::uint32_t max_points)
+                                const RigidTransform& pose_b, std::uint32_t max_points,
+                                const Progress* progress)
 {
     const Box box_a = hull_box(a.hull, {});
     const Box box_b = hull_box(b.hull, pose_b);
     const Box box = {box_a.lower.cwiseMax(box_b.lower), box_a.upper.cwiseMin(box_b.upper)};
     if (box.empty() || max_points == 0) return {};
-    return DeepestSearch(a, b, pose_b, max_points).find(box);
+    return DeepestSearch(a, b, pose_b, max_points, progress).find(box);
 }
 
 } // namespace proxima

@@ -1,6 +1,7 @@
 // Where two solids overlap most, by the distances from a point to both surfaces.
 #pragma once
 
+#include "proxima/execution.h"
 #include "proxima/geometry.h"
 #include "query/contacts/solid_parts.h"
 
@@ -17,9 +18,10 @@ struct DeepestPoint {
 
 /// A point of both solids whose depths in A and B have the largest sum found, by branch and bound over the
 /// box that both boxes share: at most `max_points` points are looked at. Depths as computed; the caller
-/// takes off what they are rounded by. Deterministic.
+/// takes off what they are rounded by. Deterministic. Ends early where the progress is cancelled.
 [[nodiscard]] DeepestPoint find_deepest_point(const SolidParts& a, const SolidParts& b,
                                               const RigidTransform& pose_b,
-                                              std::uint32_t max_points);
+                                              std::uint32_t max_points,
+                                              const Progress* progress = nullptr);
 
 } // namespace proxima

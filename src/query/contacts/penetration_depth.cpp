@@ -1,7 +1,10 @@
+#include "base/check.h"
 #include "base/progress.h"
+#include "base/text.h"
 #include "proxima/closest_feature.h"
 #include "proxima/contacts.h"
 #include "proxima/minkowski_sum.h"
+#include "query/contact/enclosure_parts.h"
 #include "query/contacts/deepest_point.h"
 #include "query/contacts/overlap.h"
 #include "query/contacts/solid_parts.h"
@@ -25,7 +28,7 @@ double largest_component(const Vec3& v)
 /// Points along a spiral over the unit sphere, all but evenly.
 Vec3 spiral_direction(std::uint32_t i, std::uint32_t count)
 {
-    const double z = 1 - (2 * i + 1.0) / count;
+    const double z = 1 - (2.0 * i + 1.0) / count;
     const double turn = std::numbers::pi * (3 - std::sqrt(5.0)) * i;
     const double radius = std::sqrt(std::max(0.0, 1 - z * z));
     return Vec3(radius * std::cos(turn), radius * std::sin(turn), z).normalized();
@@ -36,9 +39,10 @@ Vec3 spiral_direction(std::uint32_t i, std::uint32_t count)
 // Rounding. u = 2^-53, S the sum of the largest coordinates of A and B and of the translation, times the root
 // of 3. Corners of B moved are off by 8 u S, supports n . x by 4 u S, facets' normals, which are right
 // to a few roundings of their length, shift the sum's planes by 8 u S, and t n added to the translation is
-// off by 2 u S. Distances of points are off by 16 u S, and a point moved back by 8 u S. Together these are
-// below 2^-48 S, which is `slack_`. The pose's rotation may be none by rotation_error e: a distance in
-// B's own frame is off by e times itself.
+// off by 2 u S. Together these are below 2^-48 S, which is `slack_`. Distances of points are off by 16 u S in
+// A and in B, and a point moved back by 16 u S, the inverse matrix included: below twice the slack. The pose's
+// matrix may be no rotation by rotation_error e. Points are moved back by its inverse, not by its
+// transpose, and a ball of B becomes an ellipsoid whose half axes are at least 1 - e times its radius.
 class PenetrationSearch {
 public:
     PenetrationSearch(const SolidParts& a, const SolidParts& b, const RigidTransform& pose_b,
@@ -63,16 +67,17 @@ public:
         take(between->direction, hull_reach(between->direction));
         if (a_.is_convex && b_.is_convex) {
             answer_.method = PenetrationMethod::convex;
-            const double error = a_.hull_error + b_.hull_error + slack_;
+            const double error = a_.hull_error + b_.hull_error * (1 + stretch()) + slack_;
             answer_.lower = std::max(0.0, hull_depth - error);
             answer_.deepest = common_point();
+            if (is_cancelled(options_.execution.progress)) return stopped();
         } else {
             answer_.method = PenetrationMethod::bounds;
             bound_from_below();
             if (is_cancelled(options_.execution.progress)) return stopped();
             if (!bound_from_above()) return stopped();
         }
-        answer_.lower = std::min(answer_.lower, answer_.upper);
+        PROXIMA_CHECK(answer_.lower <= answer_.upper); // each is proven by itself
         return answer_;
     }
 
@@ -89,23 +94,51 @@ private:
         return std::max(0.0, top - least) + slack_;
     }
 
+    /// Of convex meshes.
     [[nodiscard]] Vec3 common_point() const
     {
         constexpr std::uint32_t few_points = 200;
-        return find_deepest_point(a_, b_, pose_, few_points).point;
+        const DeepestPoint found =
+            find_deepest_point(a_, b_, pose_, few_points, options_.execution.progress);
+        return found.depth > 0 ? found.point : point_of_both();
     }
 
-    void bound_from_below()
+    /// Where the search found none: overlaps that are small beside the meshes.
+    [[nodiscard]] Vec3 point_of_both() const
     {
-        const DeepestPoint found = find_deepest_point(a_, b_, pose_, options_.max_points);
+        const IntersectionContour contour = intersection_contour(a_.index, b_.index, pose_);
+        if (contour.points.empty()) { // one part is inside the other mesh
+            for (const Vec3& p : a_.enclosure.parts().vertices)
+                if (encloses(b_.enclosure, pose_, p)) return p;
+            for (const Vec3& p : b_.enclosure.parts().vertices)
+                if (encloses(a_.enclosure, {}, pose_(p))) return pose_(p);
+        }
+        PROXIMA_CHECK(!contour.points.empty()); // they overlap
+        const Vec3 first = contour.points.front().position;
+        if (answer_.method != PenetrationMethod::convex) return first;
+        // What two convex solids have in common is convex, so the mean of its points belongs to it.
+        Vec3 sum = Vec3::Zero();
+        for (const ContourPoint& point : contour.points) sum += point.position - first;
+        return first + sum / static_cast<double>(contour.points.size());
+    }
+
+    /// How much distances change where the pose's matrix is no rotation.
+    [[nodiscard]] double stretch() const
+    {
         std::array<double, 12> rows{};
         for (std::size_t i = 0; i < 3; ++i) {
             for (std::size_t k = 0; k < 3; ++k)
                 rows[4 * i + k] = pose_.rotation(static_cast<int>(i), static_cast<int>(k));
         }
-        const double stretch = 2 * rotation_error(rows) + 0x1p-48;
-        answer_.lower = std::max(0.0, found.depth * (1 - stretch) - slack_);
-        answer_.deepest = found.point;
+        return 2 * rotation_error(rows) + 0x1p-48;
+    }
+
+    void bound_from_below()
+    {
+        const DeepestPoint found =
+            find_deepest_point(a_, b_, pose_, options_.max_points, options_.execution.progress);
+        answer_.lower = std::max(0.0, found.depth * (1 - stretch()) - 2 * slack_);
+        answer_.deepest = found.depth > 0 ? found.point : point_of_both();
     }
 
     [[nodiscard]] bool is_free(const Vec3& direction, double distance)
@@ -166,11 +199,15 @@ private:
             directions.push_back(-directions.back());
         }
         add_surfaces(directions);
-        for (std::uint32_t i = 0; i < options_.max_directions; ++i)
-            directions.push_back(spiral_direction(i, options_.max_directions));
+        const std::size_t fixed = directions.size();
+        const std::size_t count = fixed + options_.max_directions;
         constexpr std::array<double, 6> parts = {0.97, 0.75, 0.5, 0.25, 0.1, 0.03};
-        begin_stage(options_.execution.progress, "separating meshes", directions.size());
-        for (const Vec3& direction : directions) {
+        begin_stage(options_.execution.progress, "separating meshes", count);
+        for (std::size_t i = 0; i < count; ++i) {
+            const Vec3 direction = i < fixed
+                                       ? directions[i]
+                                       : spiral_direction(static_cast<std::uint32_t>(i - fixed),
+                                                          options_.max_directions);
             if (is_cancelled(options_.execution.progress)) return false;
             shorten(direction, parts);
             advance_stage(options_.execution.progress, 1);
@@ -187,7 +224,7 @@ private:
         };
         const Vec3& p = answer_.deepest;
         if (const auto out = closest_feature(a_.index, p)) add(out->point - p);
-        const Vec3 there = pose_.inverse()(p);
+        const Vec3 there = true_inverse(pose_)(p);
         if (const auto out = closest_feature(b_.index, there))
             add(pose_.rotation * (there - out->point));
     }
@@ -226,10 +263,28 @@ private:
 
 } // namespace
 
+Status check_pose(const RigidTransform& pose_b)
+{
+    if (!pose_b.rotation.allFinite() || !pose_b.translation.allFinite()) {
+        return fail(ErrorCode::invalid_argument,
+                    "a number of B's pose is NaN or infinite: give finite ones");
+    }
+    const Mat3 square = pose_b.rotation.transpose() * pose_b.rotation;
+    if ((square - Mat3::Identity()).norm() <= nearly_rigid_tolerance) return {};
+    return fail(ErrorCode::invalid_argument,
+                "the matrix of B's pose is no rotation: give three orthogonal rows of length 1");
+}
+
 Result<PenetrationDepth> penetration_depth(const Solid& a, const Solid& b,
                                            const RigidTransform& pose_b,
                                            const PenetrationOptions& options)
 {
+    if (Status status = check_pose(pose_b); !status) return tl::unexpected(status.error());
+    if (std::max(options.max_points, options.max_directions) > max_penetration_search) {
+        return fail(ErrorCode::limit_exceeded,
+                    concat("at most ", max_penetration_search,
+                           " points and as many directions can be looked at: ask for fewer"));
+    }
     return PenetrationSearch(a.parts(), b.parts(), pose_b, options).find();
 }
 

@@ -1,5 +1,6 @@
 #include "base/progress.h"
 #include "base/text.h"
+#include "geometry/exact_predicates.h"
 #include "index/index_parts.h"
 #include "mesh/coincidence.h"
 #include "proxima/mesh_report.h"
@@ -59,7 +60,8 @@ Status check_solid(const TriangleMesh& mesh, double scale, const Execution& exec
         return refuse(concat("a component of the mesh is turned inside out or a cavity, or has no "
                              "volume: the mesh is oriented ",
                              name_of(report->orientation),
-                             ", and outward is needed; turn it (proxima repair)"));
+                             ", and outward is needed; turn what is inside out (proxima repair), "
+                             "and leave cavities out: repair would fill them"));
     }
     return {};
 }
@@ -77,8 +79,27 @@ double hull_error_of(const ConvexPolyhedron& hull, double excess)
         radius = std::min(radius, plane.offset - plane.normal.dot(center));
     }
     double reach = 0;
+    double largest = 0;
+    for (const Vec3& p : hull.points()) largest = std::max(largest, p.stableNorm());
+    excess += 0x1p-48 * largest; // roundings of heights above planes
     for (const Vec3& p : hull.points()) reach = std::max(reach, (p - center).stableNorm());
     return radius > 2 * excess ? excess / (radius - excess) * reach : HUGE_VAL;
+}
+
+/// Whether the whole hull is on the inner side of all triangles' planes, exactly: then the mesh,
+/// which is closed and faces outward, is its hull. Of small meshes: false of others.
+bool is_its_hull(const TriangleMesh& mesh, const ConvexPolyhedron& hull)
+{
+    constexpr std::size_t most = 1 << 20; // signs of determinants, about 10 ms
+    if (mesh.triangle_count() * hull.points().size() > most) return false;
+    for (std::size_t t = 0; t < mesh.triangle_count(); ++t) {
+        const Triangle triangle = mesh.triangle(TriangleId{static_cast<std::uint32_t>(t)});
+        const bool is_outmost = std::ranges::all_of(hull.points(), [&](const Vec3& p) {
+            return orient3d(triangle[0], triangle[1], triangle[2], p) <= 0;
+        });
+        if (!is_outmost) return false;
+    }
+    return true;
 }
 
 /// Whether the mesh is its hull, by the smallest of a few tolerances that it passes.
@@ -88,11 +109,14 @@ void find_convexity(SolidParts& parts, const TriangleMesh& mesh, const Execution
     for (const double tolerance : {1e-9, 1e-12, 0x1p-50}) {
         const auto hull = polyhedron_of_mesh(mesh, {tolerance, execution});
         if (!hull) return;
-        const double error =
-            tolerance < 1e-15 ? 0 : hull_error_of(parts.hull, tolerance * diagonal);
+        const double error = hull_error_of(parts.hull, tolerance * diagonal);
         if (!(error < 0.1 * diagonal)) continue;
         parts.is_convex = true;
         parts.hull_error = error;
+    }
+    if (is_its_hull(mesh, parts.hull)) {
+        parts.is_convex = true;
+        parts.hull_error = 0;
     }
 }
 

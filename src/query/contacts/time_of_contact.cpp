@@ -13,6 +13,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <span>
 
 namespace proxima {
 
@@ -54,7 +55,8 @@ double time_to_close(double gap, double speed, double bend)
 //
 // A point of B at r from the center moves, from time t to t + s, by
 //     s (displacement + turn x r) + what is at most s^2 |turn| |turn x r| / 2,
-// for the path of r is a circle about the turn's axis. It never moves faster than
+// for the path of r is a circle about the turn's axis: along a direction n at most |n x axis| times that, as
+// the circle lies across the axis. It never moves faster than
 //     fastest = |displacement| + max |turn x r|,
 // and |turn x r| does not change with time. A box's corners bound the maximum.
 //
@@ -66,7 +68,8 @@ double time_to_close(double gap, double speed, double bend)
 class MotionBounds {
 public:
     MotionBounds(const MeshIndex& a, const MeshIndex& b, const RigidMotion& motion)
-        : a_(a), b_(b), motion_(motion), angle_(motion.turn.stableNorm())
+        : a_(a), b_(b), motion_(motion), angle_(motion.turn.stableNorm()),
+          axis_(motion.turn.stableNormalized())
     {
         const Vec3 start = motion.start(motion.center);
         double coordinates = size_of(start) + size_of(motion.displacement) + size_of(motion.center);
@@ -170,12 +173,15 @@ private:
         double top = -never;
         for (const Vec3& p : pair.a.vertices) top = std::max(top, direction.dot(p));
         double least = never;
+        // Points turn about the axis, so they are never accelerated along it.
+        const double across_axis = std::min(1.0, direction.cross(axis_).norm() + 0x1p-48);
         for (const Vec3& p : pair.b.vertices) {
             const double gap = direction.dot(p) - top - margin_;
             if (!(gap > 0)) return 0;
             const Vec3 turning = motion_.turn.cross(p - pair.center);
             const double towards = -direction.dot(displacement_ + turning);
-            least = std::min(least, time_to_close(gap, towards, 0.5 * angle_ * turning.norm()));
+            least = std::min(
+                least, time_to_close(gap, towards, across_axis * 0.5 * angle_ * turning.norm()));
         }
         return least;
     }
@@ -220,6 +226,7 @@ private:
     const MeshIndex& b_;
     const RigidMotion& motion_;
     double angle_;
+    Vec3 axis_; ///< of length 1, or 0
     double unit_ = 1;
     double margin_ = 0;
     Vec3 displacement_;
@@ -253,7 +260,7 @@ std::optional<TimeOfContact> time_of_contact(const MeshIndex& a, const MeshIndex
     if (a.triangle_count() == 0 || b.triangle_count() == 0) return std::nullopt;
     PROXIMA_CHECK(motion.turn.stableNorm() <= max_motion_turn);
     MotionBounds bounds(a, b, motion);
-    const double tolerance = std::clamp(options.tolerance, 0.0, 1.0);
+    const double tolerance = options.tolerance > 0 ? std::min(options.tolerance, 1.0) : 0;
     TimeOfContact answer;
     RigidTransform pose = motion.start;
     MeshDistance nearest = mesh_distance(a, b, pose).value_or(MeshDistance{});
@@ -269,16 +276,19 @@ std::optional<TimeOfContact> time_of_contact(const MeshIndex& a, const MeshIndex
         const bool is_stuck = time + step == time;
         if (step < tolerance || is_stuck) {
             // Is there a contact within the tolerance, or where roundings end?
-            double within = std::max(tolerance, std::nextafter(time, 2.0) - time);
-            for (int attempt = 0; attempt < (is_stuck ? 4 : 1); ++attempt) {
-                const double probe = std::min(1.0, time + within);
+            std::array<double, 4> probes = {tolerance, 4 * bounds.rounding(),
+                                            16 * bounds.rounding(), 64 * bounds.rounding()};
+            const auto tried = std::span(probes).first(is_stuck ? probes.size() : 1);
+            std::ranges::sort(tried);
+            for (const double within : tried) {
+                const double next_time = std::nextafter(time, 2.0);
+                const double probe = std::min(1.0, std::max(time + within, next_time));
                 if (const auto found =
                         find_meeting(a, b, pose_at(motion, probe), {.start_from = &meeting})) {
                     fill(answer, time, pose, nearest, bounds.normal());
                     answer.touches_at = probe;
                     return answer;
                 }
-                within = std::max(within, bounds.rounding()) * 4;
             }
         }
         if (is_stuck || answer.steps >= options.max_steps) {

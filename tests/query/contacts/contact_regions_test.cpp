@@ -1,3 +1,4 @@
+#include "cancellation.h"
 #include "proxima/contacts.h"
 #include "proxima/convex_polyhedron.h"
 #include "proxima/minkowski_sum.h"
@@ -20,6 +21,11 @@ RigidTransform placed(const Vec3& translation)
     RigidTransform pose;
     pose.translation = translation;
     return pose;
+}
+
+ContactRegions regions_of(const Solid& a, const Solid& b, const RigidTransform& pose = {})
+{
+    return contact_regions(a, b, pose).value();
 }
 
 /// What every region promises.
@@ -59,7 +65,7 @@ TEST(ContactRegions, OfABoxInAFloorHaveFourCornersAndTheDepth)
         RigidTransform pose;
         pose.rotation = Eigen::AngleAxisd(0.3, Vec3::UnitZ()).toRotationMatrix();
         pose.translation = Vec3(1, 2, 1 - depth);
-        const ContactRegions found = contact_regions(floor, box, pose);
+        const ContactRegions found = regions_of(floor, box, pose);
         ASSERT_EQ(found.regions.size(), 1U);
         const ContactRegion& region = found.regions.front();
         expect_sound(floor, box, pose, found);
@@ -85,12 +91,65 @@ TEST(ContactRegions, OfBoxesBesideEachOtherFaceAsTheirFacesDo)
     RigidTransform pose;
     pose.rotation = Eigen::AngleAxisd(0.35, Vec3::UnitZ()).toRotationMatrix();
     pose.translation = Vec3(0.3, 0.4, 1.9);
-    const ContactRegions found = contact_regions(cube, cube, pose);
+    const ContactRegions found = regions_of(cube, cube, pose);
     ASSERT_EQ(found.regions.size(), 1U);
     expect_sound(cube, cube, pose, found);
     EXPECT_NEAR((found.regions[0].normal - Vec3::UnitZ()).norm(), 0, 1e-12);
     EXPECT_NEAR(found.regions[0].depth, 0.1, 1e-12);
     EXPECT_EQ(found.regions[0].point_count, 4U);
+}
+
+TEST(ContactRegions, OfFlushBoxesFaceAcrossTheLeastDepth)
+{
+    const Solid cube = solid_of(make_cube());
+    const struct {
+        Box box;
+        Vec3 shift;
+        Vec3 normal;
+        double depth;
+    } cases[] = {
+        {{Vec3(-1, -1, -1), Vec3(1, 1, 1)}, Vec3(0, 0, 1.9), Vec3::UnitZ(), 0.1},   // four sides
+        {{Vec3(-1, -1, -1), Vec3(1, 1, 1)}, Vec3(0, 0.5, 1.9), Vec3::UnitZ(), 0.1}, // two
+        {{Vec3(-1, -0.5, -1), Vec3(1, 1, 1)}, Vec3(0, 0, 1.9), Vec3::UnitZ(), 0.1}, // three
+        {{Vec3(-1, -0.5, -1), Vec3(0.5, 1, 1)}, Vec3(0, 0, -1.9), -Vec3::UnitZ(), 0.1},      // two
+        {{Vec3(-1, -1, -1), Vec3(1, 1, 1)}, Vec3(1.99, 0, 0), Vec3::UnitX(), 0.01},          // four
+        {{Vec3(-1, -0.5, -0.5), Vec3(1, 0.5, 0.5)}, Vec3(1.99, 0.5, 0), Vec3::UnitX(), 0.01} // one
+    };
+    for (const auto& [box, shift, normal, depth] : cases) {
+        const Solid other = solid_of(box_mesh(box));
+        const RigidTransform pose = placed(shift);
+        const ContactRegions found = regions_of(cube, other, pose);
+        ASSERT_EQ(found.regions.size(), 1U) << shift.transpose();
+        expect_sound(cube, other, pose, found);
+        EXPECT_NEAR((found.regions[0].normal - normal).norm(), 0, 1e-9) << shift.transpose();
+        EXPECT_NEAR(found.regions[0].depth, depth, 1e-9) << shift.transpose();
+    }
+}
+
+TEST(ContactRegions, OfPosesThatAreNoRotationAreThoseOfTheMovedVertices)
+{
+    const Solid cube = solid_of(make_cube());
+    const Solid far = solid_of(box_mesh({Vec3(1000, -0.5, -0.5), Vec3(1001, 0.5, 0.5)}));
+    for (const double off : {2.8e-10, -2.8e-10}) {
+        RigidTransform pose = placed(Vec3(-1000 + 0.99, 0, 0));
+        pose.rotation *= 1 + off;
+        const ContactRegions found = regions_of(cube, far, pose);
+        ASSERT_EQ(found.regions.size(), 1U);
+        EXPECT_NEAR(found.regions[0].depth, 1 - pose(Vec3(1000, 0, 0)).x(), 1e-12);
+    }
+}
+
+TEST(ContactRegions, RefusePosesThatAreNone)
+{
+    const Solid cube = solid_of(make_cube());
+    for (const double bad : {HUGE_VAL, std::nan("")})
+        EXPECT_EQ(contact_regions(cube, cube, placed(Vec3(0, bad, 0))).error().code,
+                  ErrorCode::invalid_argument);
+
+    Progress progress;
+    progress.cancel();
+    EXPECT_EQ(contact_regions(cube, cube, {}, {.execution = {.progress = &progress}}).error().code,
+              ErrorCode::cancelled);
 }
 
 TEST(ContactRegions, OfTwoBallsAreTheLens)
@@ -100,7 +159,7 @@ TEST(ContactRegions, OfTwoBallsAreTheLens)
     for (int i = 0; i < 6; ++i) {
         const Vec3 apart = 1.6 * random_direction(random);
         const RigidTransform pose = random_pose(random, apart);
-        const ContactRegions found = contact_regions(ball, ball, pose);
+        const ContactRegions found = regions_of(ball, ball, pose);
         ASSERT_EQ(found.regions.size(), 1U);
         expect_sound(ball, ball, pose, found);
         const ContactRegion& region = found.regions.front();
@@ -125,7 +184,7 @@ TEST(ContactRegions, OfConvexBodiesAreAsDeepAsTheirSumSays)
         const RigidTransform pose = random_pose(random, 1.4 * random_direction(random));
         const Solid a = solid_of(mesh_a);
         const Solid b = solid_of(mesh_b);
-        const ContactRegions found = contact_regions(a, b, pose);
+        const ContactRegions found = regions_of(a, b, pose);
         expect_sound(a, b, pose, found);
         if (found.regions.size() != 1) continue;
         // The longest piece of a line in what they have in common: how far that moves along the
@@ -155,7 +214,7 @@ TEST(ContactRegions, OfABarThroughAPlateFaceBothWays)
 {
     const Solid plate = solid_of(box_mesh({Vec3(-4, -4, -0.5), Vec3(4, 4, 0.5)}));
     const Solid bar = solid_of(box_mesh({Vec3(-0.25, -0.25, -3), Vec3(0.25, 0.25, 3)}));
-    const ContactRegions found = contact_regions(plate, bar);
+    const ContactRegions found = regions_of(plate, bar);
     ASSERT_EQ(found.regions.size(), 2U);
     expect_sound(plate, bar, {}, found);
     EXPECT_NEAR(found.regions[0].normal.dot(found.regions[1].normal), -1, 1e-12);
@@ -170,7 +229,7 @@ TEST(ContactRegions, OfATorusOnAFloorGoRoundTheHole)
     const Solid floor = solid_of(box_mesh({Vec3(-8, -8, -2), Vec3(8, 8, 0)}));
     const Solid torus = solid_of(make_torus(64, 32));
     const RigidTransform pose = placed(Vec3(0.3, 0.2, 0.49));
-    const ContactRegions found = contact_regions(floor, torus, pose);
+    const ContactRegions found = regions_of(floor, torus, pose);
     ASSERT_EQ(found.regions.size(), 2U);
     expect_sound(floor, torus, pose, found);
     for (const ContactRegion& region : found.regions) {
@@ -186,7 +245,7 @@ TEST(ContactRegions, OfATouchHaveNoDepth)
     const Solid cube = solid_of(make_cube());
     const Solid corners = solid_of(make_octahedron());
     const RigidTransform pose = placed(Vec3(0, 0, 2));
-    const ContactRegions found = contact_regions(cube, corners, pose);
+    const ContactRegions found = regions_of(cube, corners, pose);
     ASSERT_EQ(found.regions.size(), 1U);
     const ContactRegion& region = found.regions.front();
     EXPECT_EQ(region.depth, 0);
@@ -194,7 +253,7 @@ TEST(ContactRegions, OfATouchHaveNoDepth)
     ASSERT_EQ(region.point_count, 1U);
     EXPECT_NEAR((region.points[0].on_a - Vec3(0, 0, 1)).norm(), 0, 1e-15);
     EXPECT_GT(region.normal.z(), 0.5);
-    const ContactRegions faces = contact_regions(cube, cube, placed(Vec3(2, 0.5, 0)));
+    const ContactRegions faces = regions_of(cube, cube, placed(Vec3(2, 0.5, 0)));
     ASSERT_EQ(faces.regions.size(), 1U);
     EXPECT_LT(faces.regions[0].depth, 1e-12);
     EXPECT_NEAR((faces.regions[0].normal - Vec3::UnitX()).norm(), 0, 1e-9);
@@ -205,8 +264,8 @@ TEST(ContactRegions, OfMeshesApartOrInsideAreNone)
 {
     const Solid large = solid_of(box_mesh({Vec3(-4, -4, -4), Vec3(4, 4, 4)}));
     const Solid cube = solid_of(make_cube());
-    EXPECT_TRUE(contact_regions(large, cube).regions.empty());
-    EXPECT_TRUE(contact_regions(large, cube, placed(Vec3(9, 0, 0))).regions.empty());
+    EXPECT_TRUE(regions_of(large, cube).regions.empty());
+    EXPECT_TRUE(regions_of(large, cube, placed(Vec3(9, 0, 0))).regions.empty());
 }
 
 TEST(ContactRegions, OfRandomPosesAreSound)
@@ -219,7 +278,7 @@ TEST(ContactRegions, OfRandomPosesAreSound)
     std::size_t regions = 0;
     for (int i = 0; i < 20; ++i) {
         const RigidTransform pose = random_pose(random, random_direction(random));
-        const ContactRegions found = contact_regions(ship, torus, pose);
+        const ContactRegions found = regions_of(ship, torus, pose);
         expect_sound(ship, torus, pose, found);
         regions += found.regions.size();
     }
@@ -233,13 +292,13 @@ TEST(ContactRegions, MoveWithTheMeshes)
     const Solid torus = solid_of(mesh);
     const Solid ball = solid_of(make_icosphere(3));
     const RigidTransform pose = random_pose(random, Vec3(1.2, 0.5, 0.4));
-    const ContactRegions plain = contact_regions(torus, ball, pose);
+    const ContactRegions plain = regions_of(torus, ball, pose);
     const RigidTransform turned = random_pose(random, Vec3(3, -2, 1));
     RigidTransform together = turned;
     together.rotation = turned.rotation * pose.rotation;
     together.translation = turned(pose.translation);
-    const ContactRegions there = contact_regions(
-        solid_of(moved(mesh, [&](const Vec3& p) { return turned(p); })), ball, together);
+    const ContactRegions there =
+        regions_of(solid_of(moved(mesh, [&](const Vec3& p) { return turned(p); })), ball, together);
     ASSERT_EQ(plain.regions.size(), there.regions.size());
     ASSERT_EQ(plain.regions.size(), 1U);
     const ContactRegion& before = plain.regions[0];

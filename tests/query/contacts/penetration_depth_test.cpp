@@ -2,6 +2,7 @@
 #include "proxima/contacts.h"
 #include "proxima/mesh_index.h"
 #include "proxima/sample_meshes.h"
+#include "proxima/signed_distance.h"
 #include "query/contacts/random_motions.h"
 #include "query/contacts/solid_shapes.h"
 
@@ -81,6 +82,98 @@ TEST(PenetrationDepth, OfABoxWithinABoxIsTheWayOut)
     ASSERT_TRUE(swapped);
     EXPECT_NEAR(swapped->upper, 4, 1e-12);
     EXPECT_NEAR((swapped->direction + Vec3::UnitX()).norm(), 0, 1e-12);
+}
+
+TEST(PenetrationDepth, HoldsThatOfTheMovedVerticesWhereThePoseIsNoRotation)
+{
+    const Solid a =
+        solid_of(Boxes{{{Vec3(0, 0, 0), Vec3(1, 1, 1)}, {Vec3(5, 5, 5), Vec3(6, 6, 6)}}}.mesh());
+    const Solid b = solid_of(box_mesh({Vec3(1000, 0, 0), Vec3(1001, 1, 1)}));
+    for (const double off : {2.8e-10, -2.8e-10, 1e-4}) {
+        RigidTransform pose =
+            moved_by(Vec3(-1000 * (1 + off) + 0.99 + 1000 * std::min(off, 1e-9), 0, 0));
+        pose.rotation *= 1 + off;
+        const double truth = 1 - pose(Vec3(1000, 0, 0)).x();
+        const auto found = penetration_depth(a, b, pose);
+        ASSERT_TRUE(found);
+        EXPECT_LE(found->lower, truth);
+        EXPECT_GE(found->upper, truth);
+        EXPECT_GT(found->lower, 0.99 * truth);
+    }
+}
+
+TEST(PenetrationDepth, OfAWedgeWithADentIsInTheInterval)
+{
+    // The edge of a wedge by an angle of 1e-6 is dented by so little that hulls hardly differ.
+    const double dent = 8.9e-10;
+    const double slope = 0.5e-6;
+    TriangleMesh wedge =
+        mesh_of({Vec3(0, 0, 0), Vec3(dent, 0, 0.5), Vec3(0, 0, 1), Vec3(1, slope, 0),
+                 Vec3(1, slope, 1), Vec3(1, -slope, 0), Vec3(1, -slope, 1)},
+                {{1, 3, 0},
+                 {1, 4, 3},
+                 {1, 2, 4},
+                 {1, 0, 5},
+                 {1, 5, 6},
+                 {1, 6, 2},
+                 {3, 6, 5},
+                 {3, 4, 6},
+                 {0, 3, 5},
+                 {2, 6, 4}});
+    const Solid a = solid_of(wedge);
+    EXPECT_FALSE(a.is_convex() && a.hull_error() < 0.5 * dent) << a.hull_error();
+    const Solid b = solid_of(box_mesh({Vec3(-0.1, -0.1, 0.499), Vec3(0, 0.1, 0.501)}));
+    for (const double part : {1.01, 1.1, 1.5}) {
+        const auto found = penetration_depth(a, b, moved_by(Vec3(part * dent, 0, 0)));
+        ASSERT_TRUE(found);
+        // Moved back by this much it is free.
+        const double enough = (part - 0.99) * dent;
+        ASSERT_FALSE(solids_overlap(a, b, moved_by(Vec3(part * dent - enough, 0, 0))));
+        EXPECT_LE(found->lower, enough) << part;
+    }
+}
+
+TEST(PenetrationDepth, NamesAPointOfBoth)
+{
+    std::mt19937_64 random(3);
+    const Solid cube = solid_of(make_cube());
+    const Solid rings = solid_of(make_torus(16, 8));
+    for (int i = 0; i < 60; ++i) {
+        const Solid& a = i % 2 == 0 ? cube : rings;
+        const Vec3 direction = random_direction(random);
+        RigidTransform pose = random_pose(random, Vec3::Zero());
+        double inside = 0;
+        double outside = 5;
+        for (int k = 0; k < 40; ++k) {
+            const double middle = 0.5 * (inside + outside);
+            pose.translation = middle * direction;
+            (solids_overlap(a, cube, pose) ? inside : outside) = middle;
+        }
+        pose.translation = (inside - (i % 3 == 0 ? 1e-9 : 1e-3)) * direction;
+        const auto found = penetration_depth(a, cube, pose);
+        ASSERT_TRUE(found);
+        ASSERT_NE(found->method, PenetrationMethod::apart);
+        EXPECT_LE(signed_distance(a.index(), found->deepest)->distance, 1e-14) << i;
+        EXPECT_LE(signed_distance(cube.index(), pose.inverse()(found->deepest))->distance, 1e-14)
+            << i;
+    }
+}
+
+TEST(PenetrationDepth, RefusesPosesThatAreNoneAndSearchesTooLarge)
+{
+    const Solid cube = solid_of(make_cube());
+    for (const double bad : {HUGE_VAL, -HUGE_VAL, std::nan("")}) {
+        EXPECT_EQ(penetration_depth(cube, cube, moved_by(Vec3(0, 0, bad))).error().code,
+                  ErrorCode::invalid_argument);
+        RigidTransform pose;
+        pose.rotation(1, 2) = bad;
+        EXPECT_EQ(penetration_depth(cube, cube, pose).error().code, ErrorCode::invalid_argument);
+    }
+    RigidTransform large;
+    large.rotation *= 2;
+    EXPECT_EQ(penetration_depth(cube, cube, large).error().code, ErrorCode::invalid_argument);
+    EXPECT_EQ(penetration_depth(cube, cube, {}, {.max_directions = 1'000'001}).error().code,
+              ErrorCode::limit_exceeded);
 }
 
 TEST(PenetrationDepth, OfBallsIsThatOfSpheresButForTheirFaces)

@@ -123,6 +123,44 @@ TEST(TimeOfContact, SlidesAlongWithoutContact)
     EXPECT_EQ(found->touches_at, HUGE_VAL);
 }
 
+TEST(TimeOfContact, SpinsOnAFloorWithoutManySteps)
+{
+    const MeshIndex floor = slabs_of(
+        moved(make_cube(), [](const Vec3& p) { return Vec3(9 * p.x(), 9 * p.y(), p.z() - 1); }));
+    const MeshIndex cube = slabs_of(make_cube());
+    for (const double gap : {1e-3, 1e-6, 1e-9}) {
+        for (const Vec3& along : {Vec3(0, 0, 0), Vec3(1, 0, 0)}) {
+            const RigidMotion motion = {
+                .start = shifted(0, 0, 1 + gap), .displacement = along, .turn = Vec3(0, 0, 3)};
+            EXPECT_FALSE(time_of_contact(floor, cube, motion, {.max_steps = 100})) << gap;
+        }
+    }
+}
+
+TEST(TimeOfContact, IsNoLaterThanItSays)
+{
+    // The cube slides past the wall at less than roundings, up to a bump.
+    const auto box = [](const Vec3& lower, const Vec3& upper) {
+        return moved(make_cube(), [=](const Vec3& p) {
+            return Vec3(0.5 * (lower + upper) + 0.5 * p.cwiseProduct(upper - lower));
+        });
+    };
+    const MeshIndex wall =
+        slabs_of(joined(make_cube(), box(Vec3(1.05, 1.05, -0.2), Vec3(1.2, 1.5, 0.2))));
+    const MeshIndex cube = slabs_of(make_cube());
+    const RigidMotion motion = {.start = shifted(2 + 0x1p-51, 0, 0), .displacement = Vec3(0, 1, 0)};
+    for (const double tolerance : {1e-9, 1e-3, 0.04}) {
+        const auto found = time_of_contact(wall, cube, motion, {.tolerance = tolerance});
+        ASSERT_TRUE(found);
+        EXPECT_EQ(found->free_until, 0);
+        EXPECT_EQ(found->evidence, ContactEvidence::rounding) << "the bump is at 0.05";
+    }
+    const RigidMotion meeting = {.start = shifted(4, 0, 0), .displacement = Vec3(-4, 0, 0)};
+    const auto found = time_of_contact(cube, cube, meeting, {.tolerance = std::nan("")});
+    ASSERT_TRUE(found);
+    EXPECT_NEAR(found->touches_at, 0.5, 1e-10);
+}
+
 TEST(TimeOfContact, MeetsWhatItSlidesOnto)
 {
     // The lower face moves in the plane of the other one's upper face: contact begins exactly at
