@@ -66,7 +66,7 @@ struct GreatestDeviationOptions {
 };
 
 /// The one-sided Hausdorff distance from A to B. The bounds are as near to each other as
-/// options.tolerance says, but not nearer than 2^-39 times the largest coordinate, and not where
+/// options.tolerance says, but not nearer than 2^-38 times the largest coordinate, and not where
 /// max_splits or the budget end the search: is_complete tells. Where several points are as far, one
 /// of them is named. The same bits for any number of threads. One closest feature per vertex of A,
 /// and some microseconds per triangle whose distance is about the largest. Thread safe. Errors:
@@ -79,9 +79,10 @@ greatest_deviation(const MeshIndex& a, const MeshIndex& b,
 struct MeanDeviation {
     DistanceBounds mean;             ///< of the distance of A's points from B, by area
     DistanceBounds root_mean_square; ///< the root of the mean of squared distances
-    double area = 0;                 ///< of A, in the square of the meshes' unit
-    /// By bin, the share of A's area at distances in it, off by as much as distances are by the
-    /// tolerance. What is beyond the end counts in the last bin.
+    /// Of A, in the square of the meshes' unit; infinite or 0 where that is beyond the doubles.
+    double area = 0;
+    /// By bin, the share of A's area at distances in it: an estimate without bounds, the better the
+    /// smaller the tolerance. What is beyond the end counts in the last bin.
     std::vector<double> histogram;
     std::uint64_t splits = 0;
     bool is_complete = false; ///< whether the bounds of the mean are within the tolerance

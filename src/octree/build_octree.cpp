@@ -6,9 +6,9 @@
 #include "octree/build_fast.h"
 #include "octree/build_octree_with.h"
 #include "octree/classify_cells.h"
+#include "octree/reaching_edge.h"
 
 #include <algorithm>
-#include <cmath>
 #include <limits>
 #include <memory>
 #include <new>
@@ -17,13 +17,6 @@
 namespace proxima {
 
 namespace {
-
-/// The smallest double edge, at least `edge`, whose end lower + edge reaches `upper`.
-double reaching_edge(double lower, double edge, double upper) noexcept
-{
-    while (lower + edge < upper) edge = std::nextafter(edge, std::numeric_limits<double>::max());
-    return edge;
-}
 
 Status check_options(const Box& box, const OctreeOptions& options)
 {

@@ -203,6 +203,17 @@ TEST(MeshIndex, HasExactLeavesForFloatCoordinatesAnywhere)
     }
 }
 
+TEST(MeshIndex, IsBuiltFarFromTheOrigin)
+{
+    for (const double far : {1e9, 1e11, 1e12, 1e13, 1e15, 1e100, 1e300}) {
+        const TriangleMesh mesh =
+            make_triangle_mesh({Vec3(far, 0, 3), Vec3(far + 6, far, 6), Vec3(far - 6, 6, 1)},
+                               {{0, 1, 2}})
+                .value();
+        EXPECT_EQ(build_mesh_index(mesh).value().triangle_count(), 1U) << far;
+    }
+}
+
 TEST(MeshIndex, IsTheSameForAnyNumberOfThreads)
 {
     const TriangleMesh torus = torus_mesh(1.0, 0.4, 100, 80);

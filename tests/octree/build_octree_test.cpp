@@ -14,6 +14,9 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
+#include <limits>
+#include <optional>
 #include <random>
 
 namespace proxima {
@@ -177,6 +180,87 @@ TEST(BuildOctree, TightRootContainsTheMesh)
             const double widest = box.extent().maxCoeff();
             if (widest > 0) {
                 EXPECT_NEAR(frame.edge.maxCoeff() / widest, 1.0, 1e-9);
+            }
+        }
+    }
+}
+
+/// What tight_root is, found in steps from one double to the next; empty after too many.
+std::optional<OctreeFrame> stepped_root(const Box& box, RootShape shape)
+{
+    const double magnitude =
+        std::max(box.lower.cwiseAbs().maxCoeff(), box.upper.cwiseAbs().maxCoeff());
+    Vec3 edge = box.extent();
+    if (shape == RootShape::cube) edge = Vec3::Constant(edge.maxCoeff());
+    OctreeFrame frame;
+    int steps = 0;
+    for (int axis = 0; axis < 3; ++axis) {
+        if (!(edge[axis] > 0)) edge[axis] = 1e-6 * std::max(magnitude, 1.0);
+        frame.lower[axis] = std::min(box.center()[axis] - edge[axis] / 2, box.lower[axis]);
+        while (frame.lower[axis] + edge[axis] < box.upper[axis]) {
+            if (++steps > 10'000) return std::nullopt;
+            edge[axis] = std::nextafter(edge[axis], std::numeric_limits<double>::max());
+        }
+        frame.edge[axis] = edge[axis];
+    }
+    if (shape == RootShape::cube) frame.edge = Vec3::Constant(frame.edge.maxCoeff());
+    return frame;
+}
+
+TEST(BuildOctree, TightRootIsTheSmallestThatReachesTheEnd)
+{
+    int stepped = 0;
+    int longer = 0;
+    for (std::uint64_t seed = 0; seed < 40'000; ++seed) {
+        std::mt19937_64 random(seed);
+        std::uniform_real_distribution<double> unit(-1, 1);
+        Box box;
+        if (seed < 2000) {
+            box = bounding_box(nasty_mesh(static_cast<std::uint32_t>(seed)));
+        } else {
+            const Vec3 at =
+                std::exp2(10 * unit(random)) * Vec3(unit(random), unit(random), unit(random));
+            const double size = std::exp2(10 * unit(random));
+            for (int i = 0; i < 2; ++i)
+                box.extend(at + size * Vec3(unit(random), unit(random), unit(random)));
+        }
+        for (const RootShape shape : {RootShape::cube, RootShape::box}) {
+            const auto expected = stepped_root(box, shape);
+            if (!expected) continue;
+            ++stepped;
+            const OctreeFrame frame = tight_root(box, shape);
+            ASSERT_EQ(frame.lower, expected->lower) << "seed " << seed;
+            ASSERT_EQ(frame.edge, expected->edge) << "seed " << seed;
+            if ((frame.edge.array() > box.extent().maxCoeff()).any()) ++longer;
+        }
+    }
+    // Most boxes are judged, and many of them need steps.
+    EXPECT_GT(stepped, 70'000);
+    EXPECT_GT(longer, 1000);
+}
+
+TEST(BuildOctree, TightRootIsFoundAtOnceFarFromTheOrigin)
+{
+    for (const double far : {1e9, 1e11, 1e12, 1e13, 1e15, 1e300}) {
+        for (const double sign : {-1.0, 1.0}) {
+            SCOPED_TRACE(sign * far);
+            for (int seed = 0; seed < 200; ++seed) {
+                std::mt19937_64 random(static_cast<std::uint64_t>(seed));
+                std::uniform_real_distribution<double> unit(-9, 9);
+                Box box;
+                for (int i = 0; i < 2; ++i)
+                    box.extend(
+                        Vec3(sign * far + unit(random), unit(random), sign * far + unit(random)));
+                for (const RootShape shape : {RootShape::cube, RootShape::box}) {
+                    const OctreeFrame frame = tight_root(box, shape);
+                    const Vec3 end = frame.lower + frame.edge;
+                    EXPECT_TRUE((frame.lower.array() <= box.lower.array()).all());
+                    EXPECT_TRUE((end.array() >= box.upper.array()).all());
+                    // Larger by a few steps of the coordinates' doubles at most.
+                    const double step = std::nextafter(far, HUGE_VAL) - far;
+                    EXPECT_LE(frame.edge.maxCoeff(),
+                              std::max(box.extent().maxCoeff(), 1e-6 * far) + 4 * step);
+                }
             }
         }
     }

@@ -80,8 +80,9 @@ public:
         begin_stage(progress, "triangles that may be farthest", order_.size());
         for (std::size_t first = 0, batch = 64; first < order_.size();) {
             // In order of their bounds: the first that is settled settles all after it.
-            const std::size_t end = std::min(first + batch, order_.size());
-            if (!may_go_on()) break;
+            const std::size_t count = limited(std::min(batch, order_.size() - first));
+            if (count == 0) break;
+            const std::size_t end = first + count;
             search(end - first, [&](std::size_t i, PieceOutcome& outcome) {
                 search_triangle(order_[first + i], outcome);
             });
@@ -91,9 +92,11 @@ public:
             done_ = first;
             batch = std::min<std::size_t>(2 * batch, 4096);
         }
-        while (!pending_.empty() && may_go_on()) {
+        while (!pending_.empty()) {
+            const std::size_t count = limited(std::max<std::size_t>(4096, pending_.size() / 4));
+            if (count == 0) break;
             std::vector<SurfacePiece> pieces;
-            take_pending(pieces);
+            take_pending(count, pieces);
             begin_stage(progress, "parts that may be farthest", pieces.size());
             search(pieces.size(), [&](std::size_t i, PieceOutcome& outcome) {
                 search_piece(pieces[i], outcome);
@@ -114,8 +117,7 @@ public:
         const double lower = std::max(measured - pair_.rounding(farthest_.cuts), 0.0);
         const double upper = std::max(all.upper, measured) + pair_.rounding(all.cuts);
         const bool is_zero = all.is_zero;
-        result.distance = {is_zero ? 0 : pair_.from_units(lower),
-                           is_zero ? 0 : pair_.from_units(upper)};
+        if (!is_zero) result.distance = pair_.from_units(DistanceBounds{lower, upper});
         result.point_a = pair_.from_units(farthest_.point);
         result.point_b = pair_.from_units(
             closest_point(pair_.b().triangle(farthest_.nearest.row), farthest_.point).point);
@@ -126,7 +128,7 @@ public:
     }
 
 private:
-    static constexpr int most_local_splits = 64;
+    static constexpr std::uint64_t most_local_splits = 64;
 
     static double most_rounding(const SurfacePair& pair) noexcept
     {
@@ -137,10 +139,21 @@ private:
 
     [[nodiscard]] double limit() const noexcept { return farthest_.nearest.distance + tolerance_; }
 
-    [[nodiscard]] bool may_go_on() const
+    /// How many of so many pieces may be searched together, so that neither max_splits nor the memory
+    /// is overrun, whatever each of them becomes; sets local_splits_. 0 where there is too little left.
+    std::size_t limited(std::size_t wanted)
     {
-        return splits_ < options_.max_splits &&
-               pending_.size() * sizeof(SurfacePiece) < budget_bytes(options_.execution.budget) / 4;
+        // Lists that grow take up to three times their size.
+        const std::uint64_t all =
+            budget_bytes(options_.execution.budget) / (8 * sizeof(SurfacePiece));
+        const std::uint64_t room = all > pending_.size() ? all - pending_.size() : 0;
+        const std::uint64_t splits =
+            options_.max_splits > splits_ ? options_.max_splits - splits_ : 0;
+        if (room < std::max<std::uint64_t>(all / 16, 3) || splits == 0) return 0;
+        local_splits_ = std::min({most_local_splits, splits, (room - 1) / 2});
+        // A cut makes up to three pieces of one.
+        return std::min<std::uint64_t>(
+            {wanted, splits / local_splits_, room / (2 * local_splits_ + 1)});
     }
 
     /// Bounds of all triangles by their vertices alone, and those that are not settled by their
@@ -148,14 +161,17 @@ private:
     void bound_triangles()
     {
         const std::uint32_t count = pair_.a().triangle_count();
-        for (std::uint32_t row = 0; row < count; ++row) {
-            const Triangle triangle = pair_.a().triangle(row);
-            const auto nearest = vertices_.of_row(pair_.a(), row);
-            for (std::size_t k = 0; k < 3; ++k)
-                farthest_.offer(nearest[k], triangle.vertices[k], row, 0);
-        }
-        uppers_.resize(count);
         constexpr std::size_t chunk = 1024;
+        std::vector<FarthestPoint> farthest(chunk_count(count, chunk));
+        parallel_chunks(count, chunk, options_.execution.threads,
+                        [&](std::size_t first, std::size_t end) {
+                            if (is_cancelled(options_.execution.progress)) return;
+                            for (std::size_t i = first; i < end; ++i)
+                                offer_corners(i, farthest[first / chunk]);
+                        });
+        if (is_cancelled(options_.execution.progress)) return;
+        for (const FarthestPoint& some : farthest) farthest_.offer(some);
+        uppers_.resize(count);
         parallel_chunks(count, chunk, options_.execution.threads,
                         [&](std::size_t first, std::size_t end) {
                             if (is_cancelled(options_.execution.progress)) return;
@@ -174,6 +190,15 @@ private:
         }
         std::ranges::stable_sort(
             order_, [&](std::uint32_t a, std::uint32_t b) { return uppers_[a] > uppers_[b]; });
+    }
+
+    void offer_corners(std::size_t i, FarthestPoint& farthest) const
+    {
+        const auto row = static_cast<std::uint32_t>(i);
+        const Triangle triangle = pair_.a().triangle(row);
+        const auto nearest = vertices_.of_row(pair_.a(), row);
+        for (std::size_t k = 0; k < 3; ++k)
+            farthest.offer(nearest[k], triangle.vertices[k], row, 0);
     }
 
     /// Never 0, which stands for a triangle of B.
@@ -233,8 +258,8 @@ private:
             return std::max(farthest_.nearest.distance, outcome.farthest.nearest.distance) +
                    tolerance_;
         };
-        for (int splits = 0; !heap.empty(); ++splits) {
-            if (!(heap.front().upper() > most()) || splits == most_local_splits) break;
+        for (std::uint64_t splits = 0; !heap.empty(); ++splits) {
+            if (!(heap.front().upper() > most()) || splits == local_splits_) break;
             std::ranges::pop_heap(heap, is_lower);
             const SurfacePiece piece = heap.back();
             heap.pop_back();
@@ -251,6 +276,7 @@ private:
                 std::ranges::push_heap(heap, is_lower);
             }
         }
+        outcome.left.reserve(heap.size());
         for (const SurfacePiece& piece : heap) {
             if (piece.upper() > most()) {
                 outcome.left.push_back(piece);
@@ -261,15 +287,14 @@ private:
     }
 
     /// Some of the largest bounds among all that is pending, and drops what is settled by now.
-    void take_pending(std::vector<SurfacePiece>& pieces)
+    void take_pending(std::size_t most, std::vector<SurfacePiece>& pieces)
     {
         std::erase_if(pending_, [&](const SurfacePiece& piece) {
             if (piece.upper() > limit()) return false;
             settled_.add(piece.upper(), piece.cuts());
             return true;
         });
-        constexpr std::size_t batch = 4096;
-        const std::size_t count = std::min(std::max(batch, pending_.size() / 4), pending_.size());
+        const std::size_t count = std::min(most, pending_.size());
         const auto first = pending_.end() - static_cast<std::ptrdiff_t>(count);
         if (first != pending_.end()) std::ranges::nth_element(pending_, first, is_lower);
         pieces.assign(first, pending_.end());
@@ -287,6 +312,7 @@ private:
     std::size_t done_ = 0; ///< of order_
     std::vector<SurfacePiece> pending_;
     std::uint64_t splits_ = 0;
+    std::uint64_t local_splits_ = most_local_splits; ///< of one piece at a time
 };
 
 } // namespace

@@ -99,8 +99,8 @@ struct MeanSums {
 class MeanSearch {
 public:
     MeanSearch(const SurfacePair& pair, const MeasuredVertices& vertices, double tolerance,
-               std::uint64_t splits_each)
-        : pair_(pair), vertices_(vertices),
+               std::uint64_t splits_each, const Progress* progress)
+        : pair_(pair), progress_(progress), vertices_(vertices),
           tolerance_(std::max(tolerance - 4 * pair.rounding(64), 4 * pair.rounding(64))),
           splits_each_(splits_each), pieces_(pair, 0.25 * tolerance_)
     {}
@@ -128,6 +128,7 @@ public:
         take(pieces_.whole(row, vertices_.of_row(pair_.a(), row)));
         // What was settled is in doubt by a quarter of the tolerance.
         for (std::uint64_t splits = 0; !heap_.empty() && doubt > 0.75 * tolerance_; ++splits) {
+            if (splits % 64 == 63 && is_cancelled(progress_)) return;
             if (splits == splits_each_ || heap_.size() >= most_pieces || pieces_.is_full()) break;
             std::ranges::pop_heap(heap_, has_less_doubt);
             const MeanPiece piece = heap_.back();
@@ -160,6 +161,7 @@ private:
     }
 
     const SurfacePair& pair_;
+    const Progress* progress_;
     const MeasuredVertices& vertices_;
     double tolerance_;
     std::uint64_t splits_each_;
@@ -227,7 +229,7 @@ Result<MeanDeviation> mean_deviation(const MeshIndex& a, const MeshIndex& b,
     begin_stage(progress, "mean deviation", count);
     parallel_chunks(
         count, chunk, options.execution.threads, [&](std::size_t first, std::size_t end) {
-            MeanSearch search(*pair, *vertices, tolerance, splits_each);
+            MeanSearch search(*pair, *vertices, tolerance, splits_each, progress);
             for (std::size_t row = first; row < end; ++row) {
                 if (is_cancelled(progress)) return;
                 search.add_triangle(static_cast<std::uint32_t>(row), parts[first / chunk]);
@@ -256,8 +258,8 @@ Result<MeanDeviation> mean_deviation(const MeshIndex& a, const MeshIndex& b,
                   : 0;
     const DistanceBounds root = widened(lower_root, upper_root, rounding + root_shift);
     MeanDeviation result;
-    result.mean = {pair->from_units(mean.lower), pair->from_units(mean.upper)};
-    result.root_mean_square = {pair->from_units(root.lower), pair->from_units(root.upper)};
+    result.mean = pair->from_units(mean);
+    result.root_mean_square = pair->from_units(root);
     result.area = pair->area_from_units(area);
     if (options.histogram_bins != 0) result.histogram = sums.histogram.shares(area);
     result.splits = sums.splits;

@@ -131,7 +131,10 @@ void MeanPieces::bound_without_rows(MeanPiece& piece) const
     const double variance = longest.squared / 3;
     std::array<double, 3> below{};
     for (std::size_t i = 0; i < 3; ++i) {
-        const double squared = piece.nearest[i].distance * piece.nearest[i].distance - variance;
+        // The distance may be too large by its rounding, of which the root near 0 makes more.
+        const double distance = piece.nearest[i].distance;
+        const double squared =
+            distance * distance - variance - 2 * distance * pair_.rounding(piece.cuts);
         if (squared < 0) {
             below = {};
             break;
@@ -191,8 +194,8 @@ void MeanPieces::bound_by_rows(MeanPiece& piece)
         const Vec3 way = center - closest_point(pair_.b().triangle(tangent.row), center).point;
         tangent.distance = way.norm();
         if (tangent.distance < tangents_[closest].distance) closest = i;
-        // The way is off by a few roundings of the diagonal. The plane through 0 is below as well.
-        const double turned = 0x1p-48 * pair_.diagonal() / tangent.distance;
+        // The way is off by roundings of the diagonal and of coordinates. The plane through 0 is below as well.
+        const double turned = pair_.way_rounding() / tangent.distance;
         const bool is_flat = !(turned < 0x1p-18);
         for (std::size_t k = 0; k < 3; ++k) {
             tangent.corners[k] = is_flat
@@ -214,7 +217,8 @@ void MeanPieces::bound_by_rows(MeanPiece& piece)
     set_bounds(piece, below);
     choose_cut(piece, below, lowest);
     const std::size_t first = rows_.size();
-    const double slack = pair_.rounding(piece.cuts);
+    // Both the tangent, lowered by its turn, and what is above are off.
+    const double slack = 2 * pair_.rounding(piece.cuts);
     for (const Tangent& tangent : tangents_) {
         for (std::size_t k = 0; k < 3; ++k) {
             if (tangent.corners[k] > piece.above[k] + slack) continue;

@@ -37,13 +37,20 @@ double largest_coordinate(const Box& box) noexcept
     return std::max(box.lower.cwiseAbs().maxCoeff(), box.upper.cwiseAbs().maxCoeff());
 }
 
-Result<MeshIndex> scaled_index(const MeshIndex& index, int exponent, const Execution& execution)
+Result<MeshIndex> scaled_index(const MeshIndex& index, int exponent, const Execution& execution,
+                               bool& is_exact)
 {
     const auto mesh = mesh_of(index);
     if (!mesh) return tl::unexpected(mesh.error());
     std::vector<Vec3> positions(mesh->positions().begin(), mesh->positions().end());
     for (Vec3& position : positions)
-        for (double& coordinate : position) coordinate = std::ldexp(coordinate, -exponent);
+        for (double& coordinate : position) {
+            const double scaled = std::ldexp(coordinate, -exponent);
+            // Vertices that no triangle uses may be anything.
+            if (std::isfinite(coordinate) && std::ldexp(scaled, exponent) != coordinate)
+                is_exact = false;
+            coordinate = scaled;
+        }
     auto scaled = make_triangle_mesh(std::move(positions),
                                      {mesh->triangles().begin(), mesh->triangles().end()});
     if (!scaled) return tl::unexpected(scaled.error());
@@ -82,7 +89,7 @@ Status SurfacePair::scale(const Execution& execution)
     if (reach_ == 0 || std::abs(exponent) <= usual) return {};
     exponent_ = exponent;
     for (MeshIndex* const index : {&a_, &b_}) {
-        auto scaled = scaled_index(*index, exponent, execution);
+        auto scaled = scaled_index(*index, exponent, execution, is_exact_);
         if (!scaled) return tl::unexpected(scaled.error());
         *index = *scaled;
     }
@@ -108,6 +115,15 @@ double SurfacePair::to_units(double length) const noexcept
 double SurfacePair::from_units(double length) const noexcept
 {
     return std::ldexp(length, exponent_);
+}
+
+DistanceBounds SurfacePair::from_units(const DistanceBounds& bounds) const noexcept
+{
+    DistanceBounds result{from_units(bounds.lower), from_units(bounds.upper)};
+    if (to_units(result.lower) > bounds.lower) result.lower = std::nextafter(result.lower, 0.0);
+    if (to_units(result.upper) < bounds.upper)
+        result.upper = std::nextafter(result.upper, HUGE_VAL);
+    return result;
 }
 
 Vec3 SurfacePair::from_units(const Vec3& point) const noexcept

@@ -6,15 +6,16 @@
 // Rounding, with D the diagonal of the box about both and M the largest coordinate:
 //
 //     a distance as searched for     512 roundings of D at most (error_bounds.md)
-//     a corner after n cuts          2 n roundings of M per coordinate off its triangle
+//     a corner after n cuts          n times 2 roundings of M and 2 of D off its triangle
 //
-// Together below rounding(n) = 2^-44 D + 2^-51 (n + 1) M.
+// Together below rounding(n) = 2^-44 D + 2^-51 (n + 1) (M + D).
 #pragma once
 
 #include "geometry/closest_point.h"
 #include "index/index_parts.h"
 #include "proxima/execution.h"
 #include "proxima/geometry.h"
+#include "proxima/mesh_deviation.h"
 #include "proxima/mesh_index.h"
 #include "proxima/result.h"
 
@@ -43,12 +44,22 @@ public:
     [[nodiscard]] double diagonal() const noexcept { return diagonal_; }
     [[nodiscard]] double rounding(std::uint32_t cuts) const noexcept
     {
-        return 0x1p-44 * diagonal_ + 0x1p-51 * (cuts + 1.0) * reach_;
+        return 0x1p-44 * diagonal_ + 0x1p-51 * (cuts + 1.0) * (reach_ + diagonal_);
     }
+
+    /// How far the way from a point's foot on a row of B may be off.
+    [[nodiscard]] double way_rounding() const noexcept
+    {
+        return 0x1p-44 * diagonal_ + 0x1p-51 * reach_;
+    }
+    /// Whether the units have all bits of the callers' coordinates: none became 0 or subnormal.
+    [[nodiscard]] bool is_exact() const noexcept { return is_exact_; }
 
     /// From the meshes' unit, and back to it.
     [[nodiscard]] double to_units(double length) const noexcept;
     [[nodiscard]] double from_units(double length) const noexcept;
+    /// Outward, where the unit's doubles are too coarse or end.
+    [[nodiscard]] DistanceBounds from_units(const DistanceBounds& bounds) const noexcept;
     [[nodiscard]] Vec3 from_units(const Vec3& point) const noexcept;
     [[nodiscard]] double area_from_units(double area) const noexcept;
 
@@ -69,6 +80,7 @@ private:
     MeshIndex a_;
     MeshIndex b_;
     int exponent_ = 0;
+    bool is_exact_ = true;
     double diagonal_ = 0;
     double reach_ = 0; ///< the largest coordinate
 };

@@ -63,7 +63,7 @@ void SurfacePiece::add_row(const SurfacePair& pair, std::uint32_t row) noexcept
 
 bool SurfacePiece::is_of_b(const SurfacePair& pair) const noexcept
 {
-    if (cuts_ != 0 || upper_ != 0) return false;
+    if (cuts_ != 0 || upper_ != 0 || !pair.is_exact()) return false;
     for (std::size_t i = 0; i < count_; ++i) {
         const Triangle other = pair.b().triangle(rows_[i]);
         const auto has = [&](const Vec3& corner) {

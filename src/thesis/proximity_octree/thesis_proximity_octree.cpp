@@ -2,12 +2,12 @@
 
 #include "base/progress.h"
 #include "base/text.h"
+#include "octree/reaching_edge.h"
 #include "proxima/octree.h"
 #include "thesis/proximity_octree/convex_surface.h"
 #include "thesis/proximity_octree/grown_regions.h"
 #include "thesis/proximity_octree/label_cells.h"
 
-#include <cmath>
 #include <limits>
 #include <new>
 
@@ -58,8 +58,8 @@ OctreeFrame grown_root(const Box& bounds, double margin)
     root.lower = tight.lower - 0.5 * margin * tight.edge;
     root.lower = root.lower.cwiseMin(tight.lower);
     double edge = tight.edge.x() + margin * tight.edge.x();
-    while (((root.lower.array() + edge) < (tight.lower + tight.edge).array()).any())
-        edge = std::nextafter(edge, std::numeric_limits<double>::infinity());
+    for (int axis = 0; axis < 3; ++axis)
+        edge = reaching_edge(root.lower[axis], edge, tight.lower[axis] + tight.edge[axis]);
     root.edge = Vec3::Constant(edge);
     return root;
 }

@@ -411,6 +411,47 @@ TEST(MeshDeviation, ScalesWithMeshesOfAnySize)
     }
 }
 
+TEST(MeshDeviation, RoundsOutwardWhereDoublesEnd)
+{
+    // Coordinates that scaling makes 0 are no reason to call triangles the same.
+    const auto corner_at = [](double z) {
+        return mesh_of({Vec3(0, 0, z), Vec3(1e160, 0, z), Vec3(0, 1e160, z)}, {{0, 1, 2}});
+    };
+    const DistanceBounds apart = greatest_of(corner_at(0), corner_at(1e-200)).distance;
+    EXPECT_LE(apart.lower, 1e-200);
+    EXPECT_GE(apart.upper, 1e-200);
+    // Less than the smallest double: 1 / sqrt(3) of it.
+    const double least = 5e-324;
+    const TriangleMesh point = mesh_of({Vec3(0, 0, 0)}, {{0, 0, 0}});
+    const TriangleMesh tiny =
+        mesh_of({Vec3(least, 0, 0), Vec3(0, least, 0), Vec3(0, 0, least)}, {{0, 1, 2}});
+    const DistanceBounds smallest = greatest_of(point, tiny).distance;
+    EXPECT_EQ(smallest.lower, 0);
+    EXPECT_EQ(smallest.upper, least);
+}
+
+TEST(MeshDeviation, NeverCutsMoreThanItMay)
+{
+    const MeshIndex a = index_of(sample_mesh("icosphere:2").value());
+    const MeshIndex b = index_of(sample_mesh("icosphere:3").value());
+    const GreatestDeviation whole = greatest_deviation(a, b, {.tolerance = 1e-9}).value();
+    for (const std::uint64_t most : {0U, 1U, 2U, 63U, 64U, 65U, 1000U}) {
+        SCOPED_TRACE(most);
+        const GreatestDeviation part =
+            greatest_deviation(a, b, {.tolerance = 1e-9, .max_splits = most}).value();
+        EXPECT_LE(part.splits, most);
+        EXPECT_LE(part.distance.lower, whole.distance.upper);
+        EXPECT_GE(part.distance.upper, whole.distance.lower);
+    }
+    // Where memory ends the search the bounds hold as well.
+    const DistanceBounds small =
+        greatest_deviation(a, b, {.tolerance = 1e-9, .execution = {.budget = {.bytes = 400'000}}})
+            .value()
+            .distance;
+    EXPECT_LE(small.lower, whole.distance.upper);
+    EXPECT_GE(small.upper, whole.distance.lower);
+}
+
 TEST(MeshDeviation, CanBeCancelledAndRefusesBadArguments)
 {
     const MeshIndex a = index_of(sample_mesh("icosphere:2").value());
