@@ -89,7 +89,7 @@ public:
     /// for an instance of an empty index. \pre id is in range
     [[nodiscard]] Box bounds(InstanceId id) const noexcept;
 
-    /// Bytes of the scene's own arrays, without the indexes.
+    /// Bytes of the scene's own arrays, boxes of shapes with them, without the indexes.
     [[nodiscard]] std::uint64_t bytes() const noexcept;
 
     /// For the library's own searches.
@@ -107,7 +107,8 @@ private:
 };
 
 struct SceneOptions {
-    Execution execution = {}; ///< budget: the scene's arrays and scratch, 700 bytes per instance
+    Execution execution =
+        {}; ///< budget: arrays and scratch, 700 bytes per instance, 2.5 KB per shape
 };
 
 /// The same bits for any number of threads. About 1 us per instance on one thread and 5 ns per
@@ -228,6 +229,7 @@ void visit_instances(const Scene& scene, const Box& box, std::uint32_t layers,
 struct SceneCullOptions {
     CullMode mode = CullMode::conservative;
     std::uint32_t layers = all_layers;
+    Execution execution = {}; ///< stage "culling instances"; budget: three times the answer
 };
 
 /// Rows of an instance's index.
@@ -237,8 +239,9 @@ struct InstanceRange {
     friend bool operator==(const InstanceRange&, const InstanceRange&) = default;
 };
 
-/// The instances that have a visible triangle, ascending. Allocates. Error invalid_argument where a plane
-/// in an instance's coordinates is not finite.
+/// The instances that have a visible triangle, ascending. The same for any number of threads. Allocates.
+/// Errors: invalid_argument where a plane in an instance's coordinates is not finite (the lowest such
+/// instance), budget_exceeded, cancelled.
 [[nodiscard]] Result<std::vector<InstanceId>>
 visible_instances(const Scene& scene, const ViewVolume& volume,
                   const SceneCullOptions& options = {});
@@ -262,7 +265,8 @@ struct ScenePairOptions {
     /// surroundings, but not the surroundings among themselves.
     std::uint32_t layers = all_layers;
     std::uint32_t others = all_layers;
-    Execution execution = {}; ///< stage "finding pairs", steps are instances; budget: of the pairs
+    Execution execution =
+        {}; ///< stage "finding pairs", steps are instances; budget: three times the pairs, 4 bytes an instance
 };
 
 /// All pairs of instances whose surfaces meet (meshes_intersect), ascending, each once. Touching

@@ -1,5 +1,6 @@
 #include "index/refit_tree.h"
 
+#include "base/parallel.h"
 #include "base/progress.h"
 #include "index/binary_tree.h"
 #include "index/block_boxes.h"
@@ -8,6 +9,7 @@
 
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <limits>
 #include <utility>
 #include <vector>
@@ -25,30 +27,37 @@ public:
         : index_(index), mesh_(mesh), frame_(frame), blocks_(blocks), boxes_(blocks.size())
     {}
 
-    /// Of a block and all below it.
-    void refit(std::uint32_t reference)
+    /// Leaves in parallel, then nodes from below: these are a seventh of the blocks. False where it was
+    /// stopped on request.
+    [[nodiscard]] bool refit(std::uint32_t root, Threads threads, Progress* progress)
     {
-        std::vector<std::uint32_t> order{reference};
-        for (std::size_t i = 0; i < order.size(); ++i) {
-            if (is_leaf_reference(order[i])) continue;
-            for (const std::uint32_t child : blocks_[order[i]].node.children)
-                if (child != index_leaf_bit) order.push_back(child);
+        std::vector<std::uint32_t> nodes;
+        std::vector<std::uint32_t> leaves;
+        const auto list = [&](std::uint32_t reference) {
+            (is_leaf_reference(reference) ? leaves : nodes).push_back(reference & ~index_leaf_bit);
+        };
+        list(root);
+        for (std::size_t i = 0; i < nodes.size(); ++i) {
+            for (const std::uint32_t child : blocks_[nodes[i]].node.children)
+                if (child != index_leaf_bit) list(child);
         }
-        if (is_leaf_reference(reference))
-            write_extent(blocks_[reference & ~index_leaf_bit].leaf, root_extent);
+        parallel_chunks(leaves.size(), leaves_per_task, threads,
+                        [&](std::size_t first, std::size_t end) {
+                            if (is_cancelled(progress)) return;
+                            for (std::size_t i = first; i < end; ++i) refit_leaf(leaves[i]);
+                        });
+        if (is_cancelled(progress)) return false;
+        if (is_leaf_reference(root)) write_extent(blocks_[leaves[0]].leaf, root_extent);
         // Children before their parents.
-        for (std::size_t i = order.size(); i-- > 0;) {
-            if (is_leaf_reference(order[i])) {
-                refit_leaf(order[i] & ~index_leaf_bit);
-            } else {
-                refit_node(order[i]);
-            }
-        }
+        for (std::size_t i = nodes.size(); i-- > 0;) refit_node(nodes[i]);
+        return true;
     }
 
     [[nodiscard]] bool has_exact_leaves() const noexcept { return has_exact_leaves_; }
 
 private:
+    static constexpr std::size_t leaves_per_task = 256;
+
     static bool is_leaf_reference(std::uint32_t reference) noexcept
     {
         return (reference & index_leaf_bit) != 0;
@@ -108,7 +117,7 @@ private:
     IndexFrame frame_;
     std::span<IndexBlock> blocks_;
     std::vector<FloatBox> boxes_; ///< of blocks, once they are written
-    bool has_exact_leaves_ = true;
+    std::atomic<bool> has_exact_leaves_ = true;
 };
 
 } // namespace
@@ -116,22 +125,22 @@ private:
 Result<IndexParts> refit_tree(const IndexParts& index, const TriangleMesh& mesh, Threads threads,
                               Progress* progress)
 {
-    begin_stage(progress, "numbering edges", mesh.triangle_count());
-    const auto edges = number_edges(mesh, progress);
-    if (!edges) return tl::unexpected(edges.error());
+    begin_stage(progress, "moving boxes", 1);
     const IndexFrame frame = index_frame(bounding_box(mesh), has_floats(mesh));
     IndexStorage storage;
     std::ranges::copy(index.blocks(), storage.make_blocks(index.blocks().size()).begin());
     BlockRefitter refitter(index, mesh, frame, storage.blocks);
-    refitter.refit(index.root());
+    if (!refitter.refit(index.root(), threads, progress)) return cancelled("moving boxes");
     storage.ids.assign(index.ids().begin(), index.ids().end());
-    storage.tables = make_row_tables(mesh, *edges, storage.ids, threads);
+    storage.tables = move_row_tables(mesh, index.arrays(), threads);
+    if (is_cancelled(progress)) return cancelled("moving boxes");
     IndexArrays arrays;
     arrays.center = frame.center;
     arrays.scale = frame.scale;
     arrays.fingerprint = mesh_fingerprint(mesh);
     arrays.root = index.root();
     arrays.has_exact_leaves = refitter.has_exact_leaves();
+    advance_stage(progress, 1);
     return index_of(arrays, std::move(storage));
 }
 

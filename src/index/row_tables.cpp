@@ -1,6 +1,7 @@
 #include "index/row_tables.h"
 
 #include "base/parallel.h"
+#include "index/index_parts.h"
 
 #include <algorithm>
 #include <bit>
@@ -19,10 +20,10 @@ constexpr double thin_condition = 32;
 
 constexpr std::size_t items_per_task = 4096;
 
-template <class Scalar>
-void fill_rows(const TriangleMesh& mesh, const EdgeNumbers& edges,
-               std::span<const TriangleId> order, Threads threads,
-               GrowBuffer<TriangleRow<Scalar>>& rows)
+/// edge_of(rank, id, side) is the number of an edge.
+template <class Scalar, class EdgeOf>
+void fill_rows(const TriangleMesh& mesh, const EdgeOf& edge_of, std::span<const TriangleId> order,
+               Threads threads, GrowBuffer<TriangleRow<Scalar>>& rows)
 {
     rows.resize(order.size());
     parallel_chunks(order.size(), items_per_task, threads, [&](std::size_t first, std::size_t end) {
@@ -39,11 +40,29 @@ void fill_rows(const TriangleMesh& mesh, const EdgeNumbers& edges,
                 row.vertices[i] = corners[k];
                 if (corners[k] > corners[(k + 1) % 3])
                     row.triangle |= TriangleRow<Scalar>::side_bit << k;
-                row.edges[i] = to_index(edges.triangle_edges[to_index(id)][k]);
+                row.edges[i] = edge_of(rank, id, k);
             }
             rows[rank] = row;
         }
     });
+}
+
+/// Rows of floats where they hold every position exactly.
+template <class EdgeOf>
+void fill_rows_of(const TriangleMesh& mesh, const EdgeOf& edge_of,
+                  std::span<const TriangleId> order, Threads threads, RowTables& tables)
+{
+    if (has_floats(mesh)) {
+        fill_rows(mesh, edge_of, order, threads, tables.float_rows);
+    } else {
+        fill_rows(mesh, edge_of, order, threads, tables.double_rows);
+    }
+}
+
+void copy_incidences(std::span<const std::uint32_t> from, GrowBuffer<std::uint32_t>& to)
+{
+    to.resize(from.size());
+    std::ranges::copy(from, to.span().begin());
 }
 
 /// By vertex: its first corner in its lowest triangle.
@@ -127,11 +146,10 @@ RowTables make_row_tables(const TriangleMesh& mesh, const EdgeNumbers& edges,
                           std::span<const TriangleId> order, Threads threads)
 {
     RowTables tables;
-    if (has_floats(mesh)) {
-        fill_rows(mesh, edges, order, threads, tables.float_rows);
-    } else {
-        fill_rows(mesh, edges, order, threads, tables.double_rows);
-    }
+    const auto edge_of = [&](std::size_t /*rank*/, TriangleId id, std::size_t side) {
+        return to_index(edges.triangle_edges[to_index(id)][side]);
+    };
+    fill_rows_of(mesh, edge_of, order, threads, tables);
     fill_vertex_incidences(mesh, tables.vertex_incidences);
     tables.edge_incidences.resize(edges.first_sides.size());
     parallel_chunks(edges.first_sides.size(), items_per_task, threads,
@@ -139,6 +157,25 @@ RowTables make_row_tables(const TriangleMesh& mesh, const EdgeNumbers& edges,
                         for (auto edge = static_cast<std::uint32_t>(first); edge < end; ++edge)
                             tables.edge_incidences[edge] = incidence_of_edge(mesh, edges, edge);
                     });
+    return tables;
+}
+
+RowTables move_row_tables(const TriangleMesh& mesh, const IndexArrays& old, Threads threads)
+{
+    RowTables tables;
+    if (old.double_rows.empty()) {
+        const auto edge_of = [&](std::size_t rank, TriangleId /*id*/, std::size_t side) {
+            return old.float_rows[rank].edges[side];
+        };
+        fill_rows_of(mesh, edge_of, old.ids, threads, tables);
+    } else {
+        const auto edge_of = [&](std::size_t rank, TriangleId /*id*/, std::size_t side) {
+            return old.double_rows[rank].edges[side];
+        };
+        fill_rows_of(mesh, edge_of, old.ids, threads, tables);
+    }
+    copy_incidences(old.vertex_incidences, tables.vertex_incidences);
+    copy_incidences(old.edge_incidences, tables.edge_incidences);
     return tables;
 }
 

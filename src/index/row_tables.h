@@ -12,6 +12,8 @@
 
 namespace proxima {
 
+struct IndexArrays;
+
 struct RowTables {
     GrowBuffer<TriangleRow<float>> float_rows; ///< one of the two is empty
     GrowBuffer<TriangleRow<double>> double_rows;
@@ -34,5 +36,10 @@ struct RowTables {
 /// any number of threads.
 [[nodiscard]] RowTables make_row_tables(const TriangleMesh& mesh, const EdgeNumbers& edges,
                                         std::span<const TriangleId> order, Threads threads);
+
+/// Those of an index whose vertices moved: edges and incidences, which triangles alone decide, are its own.
+/// \pre the mesh has the triangles of the index
+[[nodiscard]] RowTables move_row_tables(const TriangleMesh& mesh, const IndexArrays& old,
+                                        Threads threads);
 
 } // namespace proxima

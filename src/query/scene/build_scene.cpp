@@ -116,15 +116,17 @@ void set_box(SceneParts& parts, std::size_t row, const Box& box) noexcept
 {
     parts.rows[row].box = box;
     if (box.empty()) return;
-    parts.largest_extent = std::max(parts.largest_extent, box.extent().norm());
+    parts.largest_extent = std::max(parts.largest_extent, 2 * box.extent().maxCoeff());
     parts.reach =
         std::max({parts.reach, box.lower.cwiseAbs().maxCoeff(), box.upper.cwiseAbs().maxCoeff()});
 }
 
-Status check_scene_budget(std::size_t count, const Execution& execution)
+Status check_scene_budget(std::size_t instances, std::size_t shapes, const Execution& execution)
 {
-    return check_budget(execution.budget, scene_bytes_each * count, "the scene",
-                        "take fewer instances or raise the budget");
+    constexpr std::uint64_t shape_bytes =
+        sizeof(InstancedShape) + most_shape_boxes * sizeof(ShapeBox);
+    return check_budget(execution.budget, scene_bytes_each * instances + shape_bytes * shapes,
+                        "the scene", "take fewer instances or shapes, or raise the budget");
 }
 
 } // namespace
@@ -224,7 +226,10 @@ Box Scene::bounds(InstanceId id) const noexcept
 std::uint64_t Scene::bytes() const noexcept
 {
     const std::size_t each = sizeof(SceneRow) + sizeof(RigidTransform) + sizeof(std::uint32_t);
-    return parts_->tree.bytes() + each * parts_->rows.size();
+    std::uint64_t bytes = parts_->tree.bytes() + each * parts_->rows.size();
+    for (const InstancedShape& shape : *parts_->shapes)
+        bytes += sizeof(InstancedShape) + shape.boxes.capacity() * sizeof(ShapeBox);
+    return bytes;
 }
 
 Result<Scene> build_scene(std::span<const MeshIndex> shapes, std::span<const Instance> instances,
@@ -236,12 +241,16 @@ Result<Scene> build_scene(std::span<const MeshIndex> shapes, std::span<const Ins
                     concat("a scene has at most ", max_instances, " instances, this one has ",
                            instances.size()));
     }
-    if (Status status = check_scene_budget(instances.size(), execution); !status)
+    if (Status status = check_scene_budget(instances.size(), shapes.size(), execution); !status)
         return tl::unexpected(status.error());
     auto parts = std::make_shared<SceneParts>();
     std::vector<InstancedShape> made(shapes.size());
-    parallel_for(shapes.size(), execution.threads,
-                 [&](std::size_t i) { made[i] = make_instanced_shape(shapes[i]); });
+    begin_stage(execution.progress, "measuring shapes", shapes.size());
+    parallel_for(shapes.size(), execution.threads, [&](std::size_t i) {
+        made[i] = make_instanced_shape(shapes[i], execution.progress);
+        advance_stage(execution.progress, 1);
+    });
+    if (is_cancelled(execution.progress)) return cancelled("measuring shapes");
     PlacedBoxes placed(instances.size());
     if (Status status = placed.place(
             made, [&](std::size_t i) -> const Instance& { return instances[i]; }, execution);
@@ -288,7 +297,7 @@ Result<Scene> move_instances(const Scene& scene, std::span<const RigidTransform>
                     concat("a list of ", poses.size(), " poses, but ", old.rows.size(),
                            " instances; give one for each"));
     }
-    if (Status status = check_scene_budget(poses.size(), execution); !status)
+    if (Status status = check_scene_budget(poses.size(), 0, execution); !status)
         return tl::unexpected(status.error());
     auto parts = std::make_shared<SceneParts>(old);
     parts->largest_extent = 0;

@@ -1,5 +1,6 @@
 #include "query/scene/instance_box.h"
 
+#include "base/progress.h"
 #include "index/index_parts.h"
 
 #include <algorithm>
@@ -56,8 +57,10 @@ void open_block(const IndexParts& index, std::size_t at, std::vector<OpenBlock>&
 }
 
 /// A ball about the middle of the boxes that has all corners.
-void set_ball(const IndexParts& index, InstancedShape& shape)
+void set_ball(const IndexParts& index, Progress* progress, InstancedShape& shape)
 {
+    constexpr std::uint32_t rows_between_looks = 65536;
+
     Box all;
     for (const ShapeBox& box : shape.boxes) {
         all.extend(box.center - box.half);
@@ -66,6 +69,7 @@ void set_ball(const IndexParts& index, InstancedShape& shape)
     shape.center = all.center();
     double squared = 0; // in the index's units, where squares stay within the doubles
     for (std::uint32_t row = 0; row < index.triangle_count(); ++row) {
+        if (row % rows_between_looks == 0 && is_cancelled(progress)) return;
         for (const Vec3& corner : index.triangle(row).vertices) {
             const Vec3 off = (corner - shape.center) * index.scale();
             squared = std::max(squared, off.squaredNorm());
@@ -76,7 +80,7 @@ void set_ball(const IndexParts& index, InstancedShape& shape)
 
 } // namespace
 
-InstancedShape make_instanced_shape(const MeshIndex& index)
+InstancedShape make_instanced_shape(const MeshIndex& index, Progress* progress)
 {
     InstancedShape shape{index, {}, 0};
     const IndexParts& parts = index.parts();
@@ -101,12 +105,13 @@ InstancedShape make_instanced_shape(const MeshIndex& index)
         if (largest == open.size()) break;
         open_block(parts, largest, open);
     }
+    shape.boxes.reserve(open.size());
     for (const OpenBlock& block : open) {
         const Vec3 half = 0.5 * block.box.upper - 0.5 * block.box.lower;
         shape.boxes.push_back({block.box.center(), half});
         shape.reach = std::max(shape.reach, (block.box.center().cwiseAbs() + half).sum());
     }
-    set_ball(parts, shape);
+    set_ball(parts, progress, shape);
     return shape;
 }
 

@@ -1,16 +1,30 @@
 #include "base/fixed_stack.h"
+#include "base/parallel.h"
+#include "base/progress.h"
 #include "base/text.h"
 #include "proxima/scene.h"
+#include "query/scene/found_lists.h"
 #include "query/scene/scene_parts.h"
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
+#include <vector>
 
 namespace proxima {
 
 namespace {
 
+constexpr std::size_t culled_per_task = 64;
+
 enum class BoxSide : std::uint8_t { outside, cut, inside };
+
+/// A row of the scene, and on which side of a volume its box is.
+struct RowSide {
+    std::uint32_t instance;
+    std::uint32_t row;
+    BoxSide side;
+};
 
 /// A volume's planes about a scene. Boxes near a plane count as cut by it, by more than planes in an instance's
 /// coordinates are rounded: 16 u (|n|_1 (|x| + |t|) + |d|), |t| part of the box.
@@ -44,11 +58,11 @@ public:
         return side;
     }
 
-    /// Calls visit(row, side) for rows that are not outside, by the tree's order.
-    template <class Visit>
-    void walk(std::uint32_t layers, const Visit& visit) const
+    /// Rows that are not outside, ascending by instance.
+    [[nodiscard]] std::vector<RowSide> rows_in_view(std::uint32_t layers) const
     {
-        if (scene_.tree_rows() == 0) return;
+        std::vector<RowSide> found;
+        if (scene_.tree_rows() == 0) return found;
         const IndexParts& tree = scene_.tree.parts();
         FixedStack<std::uint32_t, 7 * IndexParts::max_levels + 1> pending;
         pending.push(tree.root());
@@ -66,9 +80,11 @@ public:
                 const SceneRow& row = scene_.rows[block.leaf.first_row + i];
                 if ((row.layers & layers) == 0) continue;
                 if (const BoxSide side = side_of(row.box); side != BoxSide::outside)
-                    visit(block.leaf.first_row + i, side);
+                    found.push_back({row.instance, block.leaf.first_row + i, side});
             }
         }
+        std::ranges::sort(found, {}, &RowSide::instance);
+        return found;
     }
 
     /// The volume in an instance's coordinates. Error invalid_argument: not finite.
@@ -102,65 +118,89 @@ private:
     std::vector<double> slacks_;
 };
 
+/// What visit(row, planes, add) adds for all rows in view, ascending by instance. Errors: that of the lowest
+/// instance, budget_exceeded, cancelled.
+template <class Found, class Visit>
+Result<std::vector<Found>> cull_scene(const SceneParts& scene, const ViewVolume& volume,
+                                      const SceneCullOptions& options, const Visit& visit)
+{
+    const Execution& execution = options.execution;
+    const ScenePlanes planes(scene, volume);
+    const std::vector<RowSide> rows = planes.rows_in_view(options.layers);
+    begin_stage(execution.progress, "culling instances", rows.size());
+    const std::size_t tasks = chunk_count(rows.size(), culled_per_task);
+    FoundLists<Found> found(tasks, execution.budget, rows.capacity() * sizeof(RowSide));
+    std::vector<std::optional<Error>> errors(tasks);
+    parallel_chunks(rows.size(), culled_per_task, execution.threads,
+                    [&](std::size_t first, std::size_t end) {
+                        const std::size_t task = first / culled_per_task;
+                        const auto add = [&](const Found& one) { found.add(task, one); };
+                        for (std::size_t i = first; i < end; ++i) {
+                            if (is_cancelled(execution.progress) || found.is_over()) return;
+                            if (Status status = visit(rows[i], planes, add); !status) {
+                                errors[task] = status.error();
+                                return;
+                            }
+                        }
+                        advance_stage(execution.progress, end - first);
+                    });
+    if (is_cancelled(execution.progress)) return cancelled("culling instances");
+    for (const std::optional<Error>& error : errors)
+        if (error) return tl::unexpected(*error);
+    if (found.is_over()) {
+        return fail(ErrorCode::budget_exceeded,
+                    concat("there are more than ", found.most(),
+                           " answers, which the memory budget does not hold; take fewer instances "
+                           "or layers, or raise the budget"));
+    }
+    return found.take();
+}
+
 } // namespace
 
 Result<std::vector<InstanceId>> visible_instances(const Scene& scene, const ViewVolume& volume,
                                                   const SceneCullOptions& options)
 {
     const SceneParts& parts = scene.parts();
-    const ScenePlanes planes(parts, volume);
-    std::vector<InstanceId> visible;
-    std::optional<Error> error;
-    planes.walk(options.layers, [&](std::uint32_t row, BoxSide side) {
-        bool seen = side == BoxSide::inside;
-        if (!seen && !error) {
-            const auto own = planes.in_instance(row);
-            if (!own) {
-                error = own.error();
-            } else {
-                visit_visible(parts.index(parts.rows[row]), *own, options.mode,
+    return cull_scene<InstanceId>(
+        parts, volume, options,
+        [&](const RowSide& at, const ScenePlanes& planes, const auto& add) -> Status {
+            bool seen = at.side == BoxSide::inside;
+            if (!seen) {
+                const auto own = planes.in_instance(at.row);
+                if (!own) return tl::unexpected(own.error());
+                visit_visible(parts.index(parts.rows[at.row]), *own, options.mode,
                               [&](TriangleRange /*range*/) {
                                   seen = true;
                                   return Flow::stop;
                               });
             }
-        }
-        if (seen) visible.push_back(InstanceId{parts.rows[row].instance});
-    });
-    if (error) return tl::unexpected(*error);
-    std::ranges::sort(visible);
-    return visible;
+            if (seen) add(InstanceId{at.instance});
+            return {};
+        });
 }
 
 Result<std::vector<InstanceRange>> visible_ranges(const Scene& scene, const ViewVolume& volume,
                                                   const SceneCullOptions& options)
 {
     const SceneParts& parts = scene.parts();
-    const ScenePlanes planes(parts, volume);
-    std::vector<InstanceRange> visible;
-    std::optional<Error> error;
-    planes.walk(options.layers, [&](std::uint32_t row, BoxSide side) {
-        const InstanceId id{parts.rows[row].instance};
-        const MeshIndex& index = parts.index(parts.rows[row]);
-        if (side == BoxSide::inside) {
-            visible.push_back({id, {0, index.triangle_count()}});
-        } else if (!error) {
-            const auto own = planes.in_instance(row);
-            if (!own) {
-                error = own.error();
-                return;
+    return cull_scene<InstanceRange>(
+        parts, volume, options,
+        [&](const RowSide& at, const ScenePlanes& planes, const auto& add) -> Status {
+            const InstanceId id{at.instance};
+            const MeshIndex& index = parts.index(parts.rows[at.row]);
+            if (at.side == BoxSide::inside) {
+                add(InstanceRange{id, {0, index.triangle_count()}});
+                return {};
             }
+            const auto own = planes.in_instance(at.row);
+            if (!own) return tl::unexpected(own.error());
             visit_visible(index, *own, options.mode, [&](TriangleRange range) {
-                visible.push_back({id, range});
+                add(InstanceRange{id, range});
                 return Flow::proceed;
             });
-        }
-    });
-    if (error) return tl::unexpected(*error);
-    std::ranges::sort(visible, [](const InstanceRange& a, const InstanceRange& b) {
-        return a.instance < b.instance || (a.instance == b.instance && a.rows.first < b.rows.first);
-    });
-    return visible;
+            return {};
+        });
 }
 
 } // namespace proxima

@@ -7,11 +7,11 @@
 #include "index/index_parts.h"
 #include "proxima/intersect_meshes.h"
 #include "proxima/scene.h"
+#include "query/scene/found_lists.h"
 #include "query/scene/scene_parts.h"
 #include "query/scene/walk_scene.h"
 
 #include <algorithm>
-#include <atomic>
 #include <cmath>
 #include <optional>
 #include <vector>
@@ -68,11 +68,12 @@ struct PairRows {
     std::uint32_t b;
 };
 
-/// The leaves of the tree, depth first.
+/// The leaves of the tree, depth first. They are some of its blocks.
 std::vector<const IndexLeaf*> leaves_of(const IndexParts& tree)
 {
     std::vector<const IndexLeaf*> leaves;
     if (tree.triangle_count() == 0) return leaves;
+    leaves.reserve(tree.blocks().size());
     std::vector<std::uint32_t> pending = {tree.root()};
     while (!pending.empty()) {
         const std::uint32_t at = pending.back();
@@ -116,14 +117,18 @@ Result<std::vector<Found>> find_pairs(const SceneParts& scene, const BoxReach& r
 {
     const Execution& execution = options.execution;
     begin_stage(execution.progress, "finding pairs", scene.tree_rows());
+    const std::uint64_t listed = scene.tree.parts().blocks().size();
+    const std::uint64_t taken = listed * sizeof(const IndexLeaf*);
+    const std::uint64_t tasks = chunk_count(listed, leaves_per_task);
+    if (Status status =
+            check_budget(execution.budget, taken + FoundLists<Found>::bytes_of_tasks(tasks),
+                         "the search for pairs", "take fewer instances or raise the budget");
+        !status)
+        return tl::unexpected(status.error());
     const std::vector<const IndexLeaf*> leaves = leaves_of(scene.tree.parts());
-    std::vector<std::vector<Found>> found(chunk_count(leaves.size(), leaves_per_task));
-    // Once in the tasks' lists, once in the answer.
-    const std::uint64_t most = budget_bytes(execution.budget) / (2 * sizeof(Found));
-    std::atomic<std::uint64_t> count = 0;
-    const auto is_over = [&] { return is_cancelled(execution.progress) || count > most; };
+    FoundLists<Found> found(tasks, execution.budget, taken);
+    const auto is_over = [&] { return is_cancelled(execution.progress) || found.is_over(); };
     const auto work = [&](std::size_t first, std::size_t end) {
-        std::vector<Found>& own = found[first / leaves_per_task];
         for (std::size_t i = first; i < end && !is_over(); ++i) {
             visit_pairs_of(scene, *leaves[i], reach, [&](std::uint32_t row, std::uint32_t other) {
                 const SceneRow& a = scene.rows[row];
@@ -131,27 +136,20 @@ Result<std::vector<Found>> find_pairs(const SceneParts& scene, const BoxReach& r
                 if (!are_wanted(a, b, options) || is_over()) return;
                 const auto answer =
                     ask(a.instance < b.instance ? PairRows{row, other} : PairRows{other, row});
-                if (!answer) return;
-                own.push_back(*answer);
-                ++count;
+                if (answer) found.add(first / leaves_per_task, *answer);
             });
             advance_stage(execution.progress, leaves[i]->count);
         }
     };
     parallel_chunks(leaves.size(), leaves_per_task, execution.threads, work);
     if (is_cancelled(execution.progress)) return cancelled("finding pairs");
-    if (count > most) {
+    if (found.is_over()) {
         return fail(ErrorCode::budget_exceeded,
-                    concat("there are more than ", most,
+                    concat("there are more than ", found.most(),
                            " pairs, which the memory budget does not hold; take fewer instances, a "
                            "smaller distance or layers, or raise the budget"));
     }
-    std::vector<Found> all;
-    all.reserve(count);
-    for (std::vector<Found>& own : found) {
-        all.insert(all.end(), own.begin(), own.end());
-        own = {};
-    }
+    std::vector<Found> all = found.take();
     std::ranges::sort(
         all, [](const Found& x, const Found& y) { return x.a < y.a || (x.a == y.a && x.b < y.b); });
     return all;

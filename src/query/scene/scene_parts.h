@@ -65,7 +65,7 @@ struct PROXIMA_HIDDEN SceneParts {
     MeshIndex tree;
     std::vector<SceneRow> rows;
     std::vector<RigidTransform> poses; ///< by row
-    double largest_extent = 0;         ///< of boxes: the longest diagonal
+    double largest_extent = 0;         ///< twice the longest edge of a box: no diagonal is longer
     double reach = 0;                  ///< no coordinate of a box is larger
 
     [[nodiscard]] const MeshIndex& index(const SceneRow& row) const noexcept
