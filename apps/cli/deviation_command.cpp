@@ -3,6 +3,7 @@
 #include "cli/camera_options.h"
 #include "cli/commands.h"
 #include "cli/deviation_report.h"
+#include "cli/fine_mesh.h"
 #include "cli/index_file_model.h"
 #include "cli/model_options.h"
 #include "cli/plot.h"
@@ -130,15 +131,15 @@ Status measure_mean(const DeviationModel& from, const DeviationModel& to,
     return {};
 }
 
-Result<VertexDeviations> vertex_deviations(const DeviationModel& a, const DeviationModel& b,
+Result<VertexDeviations> vertex_deviations(const TriangleMesh& mesh, const DeviationModel& b,
                                            const DeviationOptions& options, double largest,
                                            Session& session)
 {
-    VertexDeviations result{.distances = std::vector<double>(a.mesh.vertex_count()),
+    VertexDeviations result{.distances = std::vector<double>(mesh.vertex_count()),
                             .largest = largest,
                             .is_signed = options.is_signed};
     // Vertices that no triangle uses may be anything, and have no distance that counts.
-    std::vector<Vec3> points(a.mesh.positions().begin(), a.mesh.positions().end());
+    std::vector<Vec3> points(mesh.positions().begin(), mesh.positions().end());
     for (Vec3& point : points)
         if (!point.allFinite()) point = Vec3::Zero();
     const ProgressBar shown(session.progress(), session.bar());
@@ -235,17 +236,20 @@ Status write_deviation_files(const DeviationModel& a, const DeviationModel& b,
             !status)
             return status;
     }
-    if (options.out.empty() && options.picture.empty()) return {};
-    const auto deviations = vertex_deviations(a, b, options, largest, session);
-    if (!deviations) return tl::unexpected(deviations.error());
     if (!options.out.empty()) {
+        const auto deviations = vertex_deviations(a.mesh, b, options, largest, session);
+        if (!deviations) return tl::unexpected(deviations.error());
         if (Status status = write_deviation_ply(a.mesh, *deviations, options.out, progress);
             !status)
             return status;
     }
     if (options.picture.empty()) return {};
+    const auto fine = finely_cut(a.mesh); // distances change within triangles
+    if (!fine) return tl::unexpected(fine.error());
+    const auto deviations = vertex_deviations(*fine, b, options, largest, session);
+    if (!deviations) return tl::unexpected(deviations.error());
     const auto image =
-        draw_deviation(a.mesh, *deviations, for_model(options.view, options.model_a), progress);
+        draw_deviation(*fine, *deviations, for_model(options.view, options.model_a), progress);
     if (!image) return tl::unexpected(image.error());
     return write_png(*image, options.picture, progress);
 }
