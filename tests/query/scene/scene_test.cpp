@@ -7,6 +7,8 @@
 #include "query/scene/scenes_one_by_one.h"
 
 #include <algorithm>
+#include <chrono>
+#include <cstdio>
 #include <gtest/gtest.h>
 
 namespace proxima {
@@ -242,6 +244,46 @@ TEST(Scene, AnswersThousandsOfInstancesLikeOneByOne)
     Found found;
     expect_truth(of, scene, random, 200, found);
     EXPECT_GT(found.contacts, 20U);
+}
+
+// Seconds; kept out of the suite: --gtest_also_run_disabled_tests --gtest_filter='*MillionInstances'.
+TEST(Scene, DISABLED_AnswersAMillionInstances)
+{
+    constexpr std::uint64_t seed = 11;
+    RandomScene of = many_instances(1'000'000, seed);
+    SceneGenerator random(seed);
+    const auto seconds_since = [](std::chrono::steady_clock::time_point start) {
+        return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    };
+    auto start = std::chrono::steady_clock::now();
+    const Scene built = build_scene(of.shapes, of.instances).value();
+    std::printf("building %.3g s, %.3g bytes an instance\n", seconds_since(start),
+                1e-6 * static_cast<double>(built.bytes()));
+    std::vector<RigidTransform> poses;
+    for (Instance& instance : of.instances) {
+        instance.pose.translation += 0.1 * random.vector();
+        poses.push_back(instance.pose);
+    }
+    start = std::chrono::steady_clock::now();
+    const Scene scene = move_instances(built, poses).value();
+    std::printf("moving %.3g s\n", seconds_since(start));
+    SceneQueries query(of, random);
+    for (int i = 0; i < 3; ++i) {
+        const Ray ray = query.ray();
+        EXPECT_EQ(all_hits(scene, ray), hits_one_by_one(of, ray, {})) << i;
+        const Vec3 p = query.place();
+        EXPECT_TRUE(same(closest_feature(scene, p), closest_one_by_one(of, p, {}))) << i;
+    }
+    start = std::chrono::steady_clock::now();
+    const auto pairs = pairs_in_contact(scene).value();
+    std::printf("%zu pairs in contact, %.3g s\n", pairs.size(), seconds_since(start));
+    EXPECT_GT(pairs.size(), 1000U);
+    // All pairs of the first instances.
+    std::vector<InstancePair> first;
+    for (const InstancePair& pair : pairs)
+        if (to_index(pair.b) < 2000) first.push_back(pair);
+    of.instances.resize(2000);
+    EXPECT_EQ(first, contacts_one_by_one(of, {}));
 }
 
 TEST(Scene, IsTheSameWithEveryInstructionSet)
