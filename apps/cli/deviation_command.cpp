@@ -36,6 +36,8 @@ struct DeviationOptions {
     bool no_mean = false;
     bool is_signed = false;
     std::uint32_t bins = 16;
+    std::uint64_t max_splits = default_deviation_splits;
+    std::uint64_t budget_mb = 0;
     std::string histogram;
     std::string out;
     std::string picture;
@@ -97,14 +99,23 @@ Result<DeviationModel> load_deviation_model(const std::string& name, const Rigid
     return model;
 }
 
+Execution deviation_execution(const DeviationOptions& options, Session& session)
+{
+    Execution execution = session.execution();
+    if (options.budget_mb != 0) execution.budget = {options.budget_mb * 1'000'000};
+    return execution;
+}
+
 Result<OneWay> measure_greatest(const DeviationModel& from, const DeviationModel& to,
                                 const DeviationOptions& options, Session& session)
 {
     OneWay way;
     const Stopwatch watch;
     const ProgressBar shown(session.progress(), session.bar());
-    auto greatest = greatest_deviation(
-        from.index, to.index, {.tolerance = options.tolerance, .execution = session.execution()});
+    auto greatest = greatest_deviation(from.index, to.index,
+                                       {.tolerance = options.tolerance,
+                                        .max_splits = options.max_splits,
+                                        .execution = deviation_execution(options, session)});
     if (!greatest) return at_model(greatest.error(), from.name);
     way.greatest = *greatest;
     way.greatest_seconds = watch.seconds();
@@ -120,7 +131,8 @@ Status measure_mean(const DeviationModel& from, const DeviationModel& to,
                                {.tolerance = options.mean_tolerance,
                                 .histogram_bins = end > 0 ? options.bins : 0,
                                 .histogram_end = end,
-                                .execution = session.execution()});
+                                .max_splits = options.max_splits,
+                                .execution = deviation_execution(options, session)});
     if (!mean && mean.error().code == ErrorCode::invalid_mesh) {
         session.note(fmt::format("{}: {}", from.name, mean.error().message));
         return {};
@@ -342,6 +354,14 @@ Command add_deviation_command(CLI::App& app)
                   "The same of the mean (default: 1e-5 of the diagonal)");
     parser->add_flag("--one-sided", options->one_sided, "From A to B alone");
     parser->add_flag("--no-mean", options->no_mean, "The greatest distances alone: much quicker");
+    parser
+        ->add_option(
+            "--max-splits", options->max_splits,
+            "How often parts of triangles are cut at most each way; then the bounds so far")
+        ->capture_default_str()
+        ->type_name("N");
+    add_budget_option(*parser, options->budget_mb,
+                      "Memory for measuring, in 10^6 bytes (default: the machine's)");
     parser->add_option("--bins", options->bins, "Bins of the histogram")
         ->check(CLI::Range(1U, max_histogram_bins))
         ->capture_default_str()

@@ -45,6 +45,12 @@ class Measuring(ProgramTest):
         self.assertAlmostEqual(math.dist(a, b), 0.25)
         self.assertEqual(self.json_of("deviation", low, low)["hausdorff"], [0, 0])
 
+    def test_splits_and_budget(self):
+        result = self.json_of("deviation", "icosphere:2", "icosphere:3", "--one-sided", "--no-mean", "--max-splits", "10",
+                              "--budget-mb", "100")["a_to_b"]
+        self.assertLessEqual(result["splits"], 10)
+        self.assertFalse(result["complete"])
+
     def test_files(self):
         ramp, flat = self.file("ramp.off", RAMP), self.file("flat.off", FLAT.format(0))
         ply, table, picture = (self.folder / name for name in ("a.ply", "h.csv", "p.png"))
