@@ -111,10 +111,10 @@ struct SceneOptions {
         {}; ///< budget: arrays and scratch, 700 bytes per instance, 2.5 KB per shape
 };
 
-/// The same bits for any number of threads. About 1 us per instance of 10,000 on one thread, and 5 ns per
-/// triangle of each shape; 360 bytes per instance. Errors: invalid_argument (a shape out of range, a pose that is not rigid or
-/// takes the shape beyond max_scene_coordinate; it names the instance), limit_exceeded (more than
-/// max_instances), budget_exceeded, cancelled.
+/// The same bits for any number of threads. About 1 us per instance of 10,000 on one thread, and 5 ns
+/// per triangle of each shape; 360 bytes per instance. Errors: invalid_argument (a shape out of range,
+/// a pose that is not rigid or takes the shape beyond max_scene_coordinate; it names the instance),
+/// limit_exceeded (more than max_instances), budget_exceeded, cancelled.
 [[nodiscard]] Result<Scene> build_scene(std::span<const MeshIndex> shapes,
                                         std::span<const Instance> instances,
                                         const SceneOptions& options = {});
