@@ -342,7 +342,8 @@ TEST_F(MeshFileTest, ReportsWhichFilesCannotBeOpened)
     std::ofstream(path("mesh.abc")) << "1 2 3\n";
     const Error unknown = read_mesh(path("mesh.abc")).error();
     EXPECT_EQ(unknown.code, ErrorCode::unsupported_format);
-    EXPECT_NE(unknown.message.find(".obj, .ply, .stl, .off, .xyz, .3ds, .gltf, .glb"), std::string::npos);
+    EXPECT_NE(unknown.message.find(".obj, .ply, .stl, .off, .xyz, .3ds, .gltf, .glb"),
+              std::string::npos);
     std::ofstream(path("empty.off")).flush();
     EXPECT_EQ(read_mesh(path("empty.off")).error().code, ErrorCode::malformed_file);
     fs::create_symlink("/dev/zero", path("endless.ply"));
