@@ -16,7 +16,7 @@ from ._core import (Cancelled, ClosestOne, Error, FileMissing, FileNotWritable, 
                     MinkowskiSum, Octree, Polyhedron, Topology, TouchRenderer, TouchScene, __version__, device_limits,
                     minkowski_sum, orthographic, perspective, separation)
 from ._results import (CELL_KINDS, CONTAINMENTS, FEATURE_KINDS, HOLDS, INSIDE_METHODS, SIGN_METHODS, TOUCH_FAULTS, CellsOnRays,
-                       Closest, Contacts, Containments, Contour, DeviceLimits, Distances, Facets, Field, Finding, HitLists, Hits, Leaves,
+                       Closest, Contacts, Containments, Contour, Deviation, DeviceLimits, Distances, Facets, Field, Finding, HitLists, Hits, Leaves,
                        Material, Nearest, Neighbours, PairLists, Pairs, Patches, Repair, Replay, Report, SelfIntersections, SumDistances,
                        Texture, Touch)
 
@@ -24,7 +24,7 @@ __all__ = [
     "Mesh", "Index", "Topology", "Octree", "Polyhedron", "MinkowskiSum", "minkowski_sum", "separation", "perspective", "orthographic",
     "TouchScene", "TouchRenderer", "Material", "Texture", "DeviceLimits", "device_limits",
     "Closest", "ClosestOne", "Hits", "HitLists", "Pairs", "PairLists", "SelfIntersections", "Containments", "Contour", "Distances",
-    "Neighbours", "Nearest", "Field", "Patches", "Leaves", "CellsOnRays", "Facets", "SumDistances", "Report", "Finding", "Repair", "Touch", "Contacts",
+    "Neighbours", "Nearest", "Field", "Deviation", "Patches", "Leaves", "CellsOnRays", "Facets", "SumDistances", "Report", "Finding", "Repair", "Touch", "Contacts",
     "Replay", "FEATURE_KINDS", "SIGN_METHODS", "CELL_KINDS", "INSIDE_METHODS", "CONTAINMENTS", "HOLDS", "TOUCH_FAULTS",
     "Error", "InvalidInput", "FileMissing", "FileNotWritable", "LimitExceeded", "Cancelled", "__version__",
 ]

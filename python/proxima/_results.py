@@ -157,6 +157,14 @@ Field = _result(
     method="(nx, ny, nz) uint8: how each sign was found, see SIGN_METHODS; None where not asked for",
     origin="(3,) float64", spacing="float: between points, along all axes")
 
+Deviation = _result(
+    "Deviation", "How far one surface is from another. Intervals hold the true numbers, rounding included.",
+    greatest="(2,) float64: lower and upper bound of the greatest distance of its points from the other",
+    point="(3,) float64: the point that is that far", closest="(3,) float64: the other's closest point",
+    triangle="int: of the point", other_triangle="int: of the closest point",
+    mean="(2,) float64: bounds of the mean distance, by area; None where it was not asked for",
+    root_mean_square="(2,) float64: of the root of the mean of squared distances, or None")
+
 Patches = _result(
     "Patches", "Triangles round n features, those of each ring by ring, ascending within a ring.",
     first=_FIRST, triangle="(m,) int32", ring="(m,) int32: 0 for the triangles that have the feature")

@@ -133,6 +133,15 @@ class Field(NamedTuple):
     origin: NDArray[float64]
     spacing: float
 
+class Deviation(NamedTuple):
+    greatest: NDArray[float64]
+    point: NDArray[float64]
+    closest: NDArray[float64]
+    triangle: int
+    other_triangle: int
+    mean: Optional[NDArray[float64]]
+    root_mean_square: Optional[NDArray[float64]]
+
 class Patches(NamedTuple):
     first: NDArray[int64]
     triangle: NDArray[int32]

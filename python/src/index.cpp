@@ -213,6 +213,7 @@ lists were built for: then build anew.)")
     bind_contact(index);
     bind_near(index);
     bind_field(index);
+    bind_comparisons(index);
 }
 
 } // namespace proxima::python

@@ -14,7 +14,6 @@ NO_PART_OF_IT = {
     "contacts.h": "not bound yet, `proxima contacts --json` answers",
     "export.h": "for compilers",
     "function_ref.h": "C++ callbacks",
-    "mesh_deviation.h": "not bound yet, `proxima deviation --json` does it",
     "grow_cells.h": "parts of an octree, for programs that spread it over processes",
     "proxima.h": "includes the others",
     "scene.h": "scenes of placed indexes: not bound yet, `proxima scene` does it",
@@ -126,6 +125,12 @@ OFFERED = {
         "MinkowskiSum.half_space": "MinkowskiSum.half_spaces", "SurfacePoint.distance": "SumDistances.distance",
         "SurfacePoint.nearest": "SumDistances.nearest", "SurfacePoint.direction": "SumDistances.direction",
         "SurfacePoint.facet": "SumDistances.facet"},
+    "mesh_deviation.h": {
+        "greatest_deviation mean_deviation": "Deviation", "GreatestDeviationOptions.tolerance MeanDeviationOptions.tolerance": "Index.deviation",
+        "GreatestDeviation.distance DistanceBounds.lower DistanceBounds.upper": "Deviation.greatest",
+        "GreatestDeviation.point_a": "Deviation.point", "GreatestDeviation.point_b": "Deviation.closest",
+        "GreatestDeviation.triangle_a": "Deviation.triangle", "GreatestDeviation.triangle_b": "Deviation.other_triangle",
+        "MeanDeviation.mean": "Deviation.mean", "MeanDeviation.root_mean_square": "Deviation.root_mean_square"},
     "distance_field.h": {
         "distance_field": "Field", "grid_around GridOptions.resolution GridOptions.spacing GridOptions.margin FieldOptions.band": "Index.distance_field",
         "FieldOutputs.distances": "Field.distance", "FieldOutputs.gradients": "Field.gradient", "FieldOutputs.methods": "Field.method",
@@ -249,6 +254,11 @@ LEFT_OUT = {
         + NOT_YET, "MinkowskiSum.support": "a product of arrays: vertices @ direction",
         "MinkowskiSum.holds_line MinkowskiSum.is_all_of_space MinkowskiSum.is_bounded MinkowskiSum.is_ray":
         "unbounded polyhedra: " + NOT_YET, "MinkowskiSum.normal_factors MinkowskiSum.scale MinkowskiSum.scaled": STRUCTURE},
+    "mesh_deviation.h": {
+        "both_ways": "the maximum of both", "GreatestDeviation.is_complete MeanDeviation.is_complete": "the interval says how near the bounds are",
+        "GreatestDeviation.splits MeanDeviation.splits GreatestDeviationOptions.max_splits MeanDeviationOptions.max_splits "
+        "GreatestDeviationOptions.default_tolerance MeanDeviationOptions.default_tolerance MeanDeviation.area MeanDeviation.histogram "
+        "MeanDeviationOptions.histogram_bins MeanDeviationOptions.histogram_end": NOT_YET},
     "distance_field.h": {"PointGrid.point PointGrid.position PointGrid.point_count": NAMES},
     "neighbourhood.h": {
         "collect_features NearestFeature.feature NearestFeature.squared": NOT_YET, "Neighbourhood.complete Neighbourhood.written": NAMES,

@@ -118,8 +118,8 @@ def test_dtypes_of_columns():
     answers += [mesh.report(), proxima.Mesh(mesh.vertices[:3], [[0, 1, 2]]).report().findings[0], mesh.repair()]
     answers += [index.self_intersections(), index.contour(index, np.eye(4)[:3] + 0.1 * np.eye(3, 4, 3)),
                 proxima.Octree(mesh).along_rays([[0, 0, 3]], [[0, 0, -1]]), proxima.Material(), proxima.Texture(), proxima.DeviceLimits()]
-    answers += [proxima.TouchRenderer(mesh).step(np.zeros((3, 3)))]
-    answers += [answers[-1].contacts]
+    answers += [proxima.TouchRenderer(mesh).step(np.zeros((3, 3))), index.deviation(index)]
+    answers += [answers[-2].contacts]
     body = proxima.Polyhedron.of_mesh(mesh)
     answers.append(proxima.minkowski_sum(body, body).signed_distance([[0, 0, 9]]))
     kinds = {type(answer).__name__ for answer in answers}
