@@ -89,9 +89,9 @@ class Manual(unittest.TestCase):
         self.assertEqual(sorted(pair for pair in named if pair[1] not in known), [])
 
     def test_options_exist(self):
-        # Options of CMake, of Google Benchmark and of scripts/check are not the program's.
+        # Options of CMake, of Google Benchmark, of Open MPI and of scripts/check are not the program's.
         foreign = {"--benchmark", "--build", "--install", "--prefix", "--preset", "--target", "--workflow", "--cflags", "--libs", "--changed", "--wheel",
-                   "--no-isolation", "--system-site-packages", "--no-index", "--no-deps", "--no-build-isolation"}
+                   "--no-isolation", "--mca", "--system-site-packages", "--no-index", "--no-deps", "--no-build-isolation"}
         code = text_below("apps", "bench") + "".join(path.read_text() for path in (ROOT / "scripts").glob("*")
                                                      if path.is_file())
         missing = sorted({f"{page.name}: {option}" for page in PAGES
