@@ -43,8 +43,8 @@ public:
     [[nodiscard]] const Enclosure& enclosure() const noexcept;
     /// Whether the mesh is its convex hull, up to hull_error().
     [[nodiscard]] bool is_convex() const noexcept;
-    /// Of a convex mesh: no point of its hull is farther from the solid, as coordinates of round shapes
-    /// are rounded and their faces are never quite flat. 0 where exact predicates say that it is its
+    /// How far points of a convex mesh's hull are from the solid at most: coordinates of round shapes
+    /// are rounded, and their faces are never quite flat. 0 where exact predicates say that it is its
     /// hull; they are asked of meshes of up to 2^20 pairs of a triangle and a corner of the hull. In the
     /// mesh's unit.
     [[nodiscard]] double hull_error() const noexcept;

@@ -13,11 +13,9 @@
 #include "proxima/result.h"
 #include "proxima/triangle_mesh.h"
 
-#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <span>
-#include <type_traits>
 #include <vector>
 
 namespace PROXIMA_EXPORT proxima {
@@ -54,25 +52,5 @@ struct GrownCells {
 [[nodiscard]] Result<GrownCells> grow_cells(const TriangleMesh& mesh, const OctreeFrame& frame,
                                             std::span<const CellTriangles> cells,
                                             const GrowCellsOptions& options = {});
-
-/// Visits a cell of the octree and those below it, as `traverse` visits all.
-template <class V>
-requires CellVisitor<std::remove_reference_t<V>>
-void traverse_below(const Octree& octree, const Cell& from, V&& visitor)
-{
-    std::array<Cell, 7 * max_octree_depth + 1> pending;
-    std::size_t count = 0;
-    pending[count++] = from;
-    while (count != 0) {
-        const Cell cell = pending[--count];
-        if (!visitor.should_enter(cell)) continue;
-        if (octree.is_leaf(cell)) {
-            if (visitor.visit_leaf(cell, octree.triangles(cell)) == Flow::stop) return;
-        } else {
-            for (int octant = 7; octant >= 0; --octant)
-                pending[count++] = octree.child(cell, octant);
-        }
-    }
-}
 
 } // namespace proxima

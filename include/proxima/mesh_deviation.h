@@ -40,8 +40,8 @@ struct DistanceBounds {
 };
 
 struct GreatestDeviation {
-    /// Of the one-sided Hausdorff distance: the largest distance of a point of A from B. Both 0 where
-    /// all triangles of A are triangles of B.
+    /// Bounds of the one-sided Hausdorff distance, the largest distance of a point of A from B. Both
+    /// are 0 where all triangles of A are triangles of B.
     DistanceBounds distance;
     /// A point of A whose distance from B is at least distance.lower, up to the rounding of its
     /// coordinates, and the point of B closest to it.

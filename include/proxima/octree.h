@@ -39,6 +39,7 @@
 #include <optional>
 #include <span>
 #include <type_traits>
+#include <utility>
 
 namespace PROXIMA_EXPORT proxima {
 
@@ -298,15 +299,15 @@ concept CellVisitor = requires(V visitor, const Cell& cell, std::span<const Tria
         } -> std::same_as<Flow>;
 };
 
-/// Visits cells depth first in Morton order, empty leaves included. Never allocates: each level
-/// leaves at most seven siblings pending. Thread safe.
+/// Visits a cell and those below it depth first in Morton order, empty leaves included. Never
+/// allocates: each level leaves at most seven siblings pending. Thread safe.
 template <class V>
 requires CellVisitor<std::remove_reference_t<V>>
-void traverse(const Octree& octree, V&& visitor)
+void traverse_below(const Octree& octree, const Cell& from, V&& visitor)
 {
     std::array<Cell, 7 * max_octree_depth + 1> pending;
     std::size_t count = 0;
-    pending[count++] = octree.root();
+    pending[count++] = from;
     while (count != 0) {
         const Cell cell = pending[--count];
         if (!visitor.should_enter(cell)) continue;
@@ -317,6 +318,14 @@ void traverse(const Octree& octree, V&& visitor)
                 pending[count++] = octree.child(cell, octant);
         }
     }
+}
+
+/// Visits all cells, as traverse_below() does those below one.
+template <class V>
+requires CellVisitor<std::remove_reference_t<V>>
+void traverse(const Octree& octree, V&& visitor)
+{
+    traverse_below(octree, octree.root(), std::forward<V>(visitor));
 }
 
 /// What `octree_statistics` counts. Cells include empty leaves that have no record.

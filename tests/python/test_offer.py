@@ -139,7 +139,7 @@ OFFERED = {
                         "visit_triangles": "Index.in_box", "NearTriangle.squared_distance": "Nearest.distance",
                         "NearTriangle.triangle": "Nearest.triangle"},
     "octree.h": {
-        "build_octree": "Octree", "octree_statistics": "Octree.statistics", "traverse": "Octree.leaves",
+        "build_octree": "Octree", "octree_statistics": "Octree.statistics", "traverse traverse_below": "Octree.leaves",
         "OctreeOptions.root OctreeOptions.max_depth OctreeOptions.threshold OctreeOptions.subdivision OctreeOptions.root_shape "
         "OctreeOptions.classification": "Octree", "Cell.key CellKey.bits": "Leaves.key", "depth": "Leaves.depth",
         "Cell.type": "Leaves.kind", "Octree.box": "Leaves.lower", "cell_box": "Leaves.upper", "Octree.triangles": "Leaves.triangle",

@@ -95,7 +95,8 @@ public:
     [[nodiscard]] const SwingReport& report() const noexcept { return report_; }
 
     /// The force `whole` with this answer: softened, and damped but never so much that it turns round.
-    /// Of any dimension. \pre clamped to the device's limit: a part of an excessive force may still be it
+    /// Vectors have three or six components. \pre `whole` is clamped to the device's limit: softening an
+    /// excessive force could still leave as much as the limit
     template <class Vector>
     [[nodiscard]] Vector answered(const Vector& whole, const Vector& velocity) const noexcept
     {

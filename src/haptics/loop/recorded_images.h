@@ -38,7 +38,7 @@ public:
     /// The images of a file with `textures` textures, each image checked. Error malformed_file.
     [[nodiscard]] static Result<RecordedImages> read(const BinaryFile& file, std::size_t textures);
 
-    /// Of a texture: 0 those of the settings, i + 1 those of object i.
+    /// The image of a texture: number 0 is that of the settings, i + 1 that of object i.
     [[nodiscard]] std::optional<HeightImage> image_of(std::size_t texture) const;
 
 private:

@@ -46,7 +46,7 @@ struct ImageHeight {
 /// noexcept, O(1). \pre finite
 [[nodiscard]] ImageHeight height_at(const HeightSamples& image, double right, double up) noexcept;
 
-/// Of an image that is projected along a direction: right and up, of length 1.
+/// The directions of an image that is projected along a third one, of length 1.
 struct ImageAxes {
     Vec3 right;
     Vec3 up;
