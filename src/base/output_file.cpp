@@ -259,7 +259,6 @@ struct OutputFile::State {
             return {};
         }
         const int error_number_of_open = errno;
-        temporary.clear();
         const fs::path folder = destination.parent_path();
         std::error_code error;
         if (!folder.empty() && !fs::is_directory(folder, error)) {

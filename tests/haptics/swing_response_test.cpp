@@ -121,27 +121,34 @@ TEST(SwingResponse, SoftensWhereAllDampingIsNotEnough)
     EXPECT_EQ(judged.response.report().softenings, 2U);
 }
 
-/// Whether damping is still there after a hand moved to and fro in a contact, slowly and evenly.
-/// `given` is what each leg gave of the 5 units of its motion; another motion has legs so many times
-/// as long.
-bool stays_damped(double given, double other_legs)
+/// A hand moves to and fro in a contact, slowly and evenly, for a second and a half. `given` is what each
+/// leg gives of the 5 units of its motion; a second motion, if there is one, has legs so many times as long.
+void move_by_hand(SwingResponse& response, std::span<WatchedMotion> motions, EnergySums& sums,
+                  double given, double other_legs)
 {
-    SwingResponse response;
-    std::array<WatchedMotion, 2> motions;
-    response.judge(motions, motions[0], {.reported = true, .legs = 2, .contact = 1}, sums_of(2, 10),
-                   contact, tick_seconds);
-    EXPECT_GT(response.damping(), 0);
-    EnergySums sums = sums_of(2, 10);
     for (int tick = 0; tick < 1500; ++tick) {
         const int phase = tick % 200;
         const double at = 1e-5 * (phase < 100 ? phase : 200 - phase);
-        (void)motions[1].swing.watch(Vec3(other_legs * at, 0, 0), Vec3(1, 0, 0), tick_seconds);
+        if (motions.size() > 1)
+            (void)motions[1].swing.watch(Vec3(other_legs * at, 0, 0), Vec3(1, 0, 0), tick_seconds);
         SwingTick seen = motions[0].swing.watch(Vec3(at, 0, 0), Vec3(1, 0, 0), tick_seconds);
         if (!seen.turned) continue;
         seen.reported = false;
         sums = sums_of(sums.given[0] + given, sums.motion + 5);
         response.judge(motions, motions[0], seen, sums, contact, tick_seconds);
     }
+}
+
+/// Whether damping is still there after a hand moved.
+bool stays_damped(double given, double other_legs)
+{
+    SwingResponse response;
+    std::array<WatchedMotion, 2> motions;
+    EnergySums sums = sums_of(2, 10);
+    response.judge(motions, motions[0], {.reported = true, .legs = 2, .contact = 1}, sums, contact,
+                   tick_seconds);
+    EXPECT_GT(response.damping(), 0);
+    move_by_hand(response, motions, sums, given, other_legs);
     return response.damping() > 0;
 }
 
@@ -153,6 +160,18 @@ TEST(SwingResponse, TrustsAHandThatMovesThoughTheContactTakesEnergy)
     EXPECT_TRUE(stays_damped(1, 0));
     EXPECT_FALSE(stays_damped(-1, 0.5));
     EXPECT_TRUE(stays_damped(-1, 2)) << "the longest motion tells";
+}
+
+TEST(SwingResponse, TrustsNoHandBeforeAnythingWasDamped)
+{
+    // A hand moves to and fro, and the contact takes energy. Then it gives some: that is answered at once.
+    SwingResponse response;
+    std::array<WatchedMotion, 1> motions;
+    EnergySums sums;
+    move_by_hand(response, motions, sums, -1, 0);
+    response.judge(motions, motions[0], {.reported = true, .legs = 2, .length = 1e-3, .contact = 1},
+                   sums_of(sums.given[0] + 10, sums.motion + 10), contact, tick_seconds);
+    EXPECT_TRUE(response.acts());
 }
 
 } // namespace
