@@ -244,6 +244,13 @@ TEST_F(OutputFileTest, ReportsWhyADestinationCannotBeWritten)
     EXPECT_NE(missing.error().message.find("does not exist"), std::string::npos);
     EXPECT_EQ(missing.error().where, path("missing/a.txt").string());
 
+    // A folder that is there, in which nobody can make files.
+    const auto closed = OutputFile::create("/proc/a.txt");
+    ASSERT_FALSE(closed);
+    EXPECT_EQ(closed.error().code, ErrorCode::file_not_writable);
+    EXPECT_NE(closed.error().message.find("choose a folder that you may write to"),
+              std::string::npos);
+
     fs::create_directory(path("folder"));
     const auto folder = OutputFile::create(path("folder"));
     ASSERT_FALSE(folder);
