@@ -14,6 +14,7 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
+#include <span>
 #include <vector>
 
 namespace proxima {
@@ -96,9 +97,9 @@ void visit_pairs_of(const SceneParts& scene, const IndexLeaf& leaf, const BoxRea
 {
     const std::uint32_t end = leaf.first_row + leaf.count;
     Box box;
-    for (std::uint32_t row = leaf.first_row; row < end; ++row) {
-        box.extend(scene.rows[row].box.lower);
-        box.extend(scene.rows[row].box.upper);
+    for (const SceneRow& row : std::span(scene.rows).subspan(leaf.first_row, leaf.count)) {
+        box.extend(row.box.lower);
+        box.extend(row.box.upper);
     }
     const IndexParts& tree = scene.tree.parts();
     visit_scene_leaves(tree, FloatQueryBox(tree, reach.around(box)), [&](const IndexLeaf& near) {

@@ -141,10 +141,13 @@ Status closest_features(const Scene& scene, std::span<const Vec3> points,
 {
     if (Status status = check_batch_size(answers.size(), points.size(), "points"); !status)
         return status;
-    for (std::size_t i = 0; i < points.size(); ++i) {
-        if (points[i].allFinite()) continue;
-        return fail(ErrorCode::invalid_argument,
-                    concat("point ", i, " has a coordinate that is not finite"), "points");
+    const auto wrong =
+        std::ranges::find_if_not(points, [](const Vec3& p) { return p.allFinite(); });
+    if (wrong != points.end()) {
+        return fail(
+            ErrorCode::invalid_argument,
+            concat("point ", wrong - points.begin(), " has a coordinate that is not finite"),
+            "points");
     }
     const Execution& execution = options.execution;
     begin_stage(execution.progress, "closest features", points.size());

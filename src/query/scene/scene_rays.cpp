@@ -21,10 +21,10 @@ Status for_rays(std::span<const Ray> rays, std::size_t answers, const Execution&
                 const Answer& answer)
 {
     if (Status status = check_batch_size(answers, rays.size(), "rays"); !status) return status;
-    for (std::size_t i = 0; i < rays.size(); ++i) {
-        if (is_valid(rays[i])) continue;
+    const auto wrong = std::ranges::find_if_not(rays, is_valid);
+    if (wrong != rays.end()) {
         return fail(ErrorCode::invalid_argument,
-                    concat("ray ", i,
+                    concat("ray ", wrong - rays.begin(),
                            " is none: origin and direction must be finite, the direction not zero, "
                            "t_min at most t_max"),
                     "rays");

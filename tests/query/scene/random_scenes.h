@@ -117,4 +117,24 @@ private:
     std::mt19937_64 random_;
 };
 
+/// So many instances of some shapes, a tenth of their boxes overlapping others.
+inline RandomScene many_instances(std::size_t count, std::uint64_t seed)
+{
+    SceneGenerator random(seed);
+    RandomScene of;
+    of.shapes = {build_mesh_index(sphere_mesh(Vec3::Zero(), 0.5, 8, 12)).value(),
+                 build_mesh_index(torus_mesh(0.4, 0.15, 12, 8)).value(),
+                 build_mesh_index(cube_mesh(Vec3::Zero(), 0.3)).value()};
+    of.size = std::cbrt(static_cast<double>(count));
+    for (std::size_t i = 0; i < count; ++i) {
+        Instance instance;
+        instance.shape = static_cast<std::uint32_t>(random.below(3));
+        instance.pose.rotation = random.rotation();
+        instance.pose.translation = of.size * random.vector();
+        instance.layers = 1U << (i % 4);
+        of.instances.push_back(instance);
+    }
+    return of;
+}
+
 } // namespace proxima::testing
