@@ -145,7 +145,9 @@ private:
             if (next_ + ahead < chunk_.points.size())
                 hwy::Prefetch(&chunk_.points[chunk_.position(next_ + ahead)]);
             flight.p = chunk_.points[flight.position];
-            const double known = last_distance_ + (flight.p - last_point_).norm();
+            // In the index's units: squares of very small numbers are zero.
+            const double step = (chunk_.index.scale() * (flight.p - last_point_)).norm();
+            const double known = last_distance_ + chunk_.index.unscale() * step;
             const double bound = known >= 0 ? known : std::numeric_limits<double>::infinity();
             if (flight.query.begin(chunk_.index, flight.p, bound) == QueryStart::near) return true;
             take(flight.position, flight.p, search_index(chunk_.index, rows_, flight.p, bound));

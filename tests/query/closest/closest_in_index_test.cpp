@@ -347,6 +347,25 @@ TEST(ClosestInIndex, BatchesAnswerLikeSingleQueries)
     }
 }
 
+// Squares of these distances are zero, or beyond all doubles.
+TEST(ClosestInIndex, BatchesAnswerLikeSingleQueriesAtEveryScale)
+{
+    const TriangleMesh model = sample_mesh("spaceship:1300").value();
+    for (const double scale : {1e-300, 1e-170, 1e-160, 1e150, 1e160}) {
+        SCOPED_TRACE(scale);
+        const TriangleMesh mesh = moved(model, [&](const Vec3& p) { return Vec3(scale * p); });
+        const MeshIndex index = build_mesh_index(mesh).value();
+        std::vector<Vec3> points;
+        for (const Vec3& p : proximity_points(model, 300, 14)) points.emplace_back(scale * p);
+        std::vector<ClosestFeature> answers(points.size());
+        for (const BatchOrder order : {BatchOrder::as_given, BatchOrder::sorted}) {
+            ASSERT_TRUE(closest_features(index, points, {.answers = answers}, {.order = order}));
+            for (std::size_t i = 0; i < points.size(); ++i)
+                expect_same(answers[i], closest_feature(index, points[i]).value());
+        }
+    }
+}
+
 TEST(ClosestInIndex, BatchesHaveTheSameAnswersForEveryNumberOfThreads)
 {
     const TriangleMesh mesh = sample_mesh("spaceship:20000").value();
