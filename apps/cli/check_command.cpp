@@ -65,7 +65,8 @@ Json json_of(const MeshReport& report, const std::optional<SelfIntersections>& i
 {
     Json bounds;
     if (!report.bounds.empty()) {
-        bounds = {{"lower", json_of(report.bounds.lower)}, {"upper", json_of(report.bounds.upper)}};
+        bounds = {{"lower", json_numbers(report.bounds.lower)},
+                  {"upper", json_numbers(report.bounds.upper)}};
     }
     Json findings = Json::array();
     for (const MeshFinding& finding : report.findings) findings.push_back(json_of(finding));
