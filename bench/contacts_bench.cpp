@@ -3,8 +3,8 @@
 //
 //     contacts_bench [--cases N] [--rounds N] [--seed N] [--mesh NAME]...
 //
-// Motions take B from beside A towards it or past it, turning by less than half a revolution. Every time of
-// FCL's is compared with the exact test of intersection, and every depth with our interval. Processor time of one
+// Motions take B from beside A towards it or past it, turning by less than half a revolution. Besides, two fine
+// sheets slide along each other. Every time of FCL's is compared with the exact test of intersection, and every depth with our interval. Processor time of one
 // thread.
 #include "bench_program.h"
 #include "proxima/contacts.h"
@@ -87,14 +87,12 @@ void print_row(const char* what, const char* who, double seconds, double own,
     std::fflush(stdout);
 }
 
-void race_times(const TriangleMesh& mesh, const MeshIndex& index, const BenchOptions& options)
+void race_times(const char* what, const TriangleMesh& mesh, const MeshIndex& index,
+                const std::vector<RigidMotion>& motions, int rounds)
 {
-    const auto cases = static_cast<std::size_t>(options.cases);
-    CaseMaker maker(bounding_box(mesh), options.seed);
-    std::vector<RigidMotion> motions(cases);
-    for (RigidMotion& motion : motions) motion = maker.motion();
+    const std::size_t cases = motions.size();
     std::vector<std::optional<TimeOfContact>> found(cases);
-    const double own = time_cases(cases, options.rounds, [&](std::size_t i) {
+    const double own = time_cases(cases, rounds, [&](std::size_t i) {
         found[i] = time_of_contact(index, index, motions[i]);
     });
     int contacts = 0;
@@ -103,14 +101,14 @@ void race_times(const TriangleMesh& mesh, const MeshIndex& index, const BenchOpt
         contacts += answer ? 1 : 0;
         sum += answer ? answer->free_until : 1;
     }
-    print_row("time of contact", "proxima", own, own,
+    print_row(what, "proxima", own, own,
               "contacts " + std::to_string(contacts) + ", sum of times " + std::to_string(sum));
 #ifdef PROXIMA_BENCH_FCL
     const FclTimeOfContact fcl(mesh, mesh);
     for (const FclAdvance how : {FclAdvance::steps, FclAdvance::conservative}) {
         std::vector<std::optional<double>> times(cases);
-        const double theirs = time_cases(
-            cases, options.rounds, [&](std::size_t i) { times[i] = fcl.time(motions[i], how); });
+        const double theirs =
+            time_cases(cases, rounds, [&](std::size_t i) { times[i] = fcl.time(motions[i], how); });
         int missed = 0;
         int invented = 0;
         double late = 0;
@@ -129,6 +127,41 @@ void race_times(const TriangleMesh& mesh, const MeshIndex& index, const BenchOpt
         print_row("", how == FclAdvance::steps ? "fcl, steps" : "fcl", theirs, own, says);
     }
 #endif
+}
+
+/// Of B at a mesh, from all sides.
+std::vector<RigidMotion> motions_of(const TriangleMesh& mesh, const BenchOptions& options)
+{
+    CaseMaker maker(bounding_box(mesh), options.seed);
+    std::vector<RigidMotion> motions(static_cast<std::size_t>(options.cases));
+    for (RigidMotion& motion : motions) motion = maker.motion();
+    return motions;
+}
+
+/// Two sheets of 2 x 2 and 60 x 60 cells, askew, that slide along each other by a quarter of their side at a
+/// gap of 1e-3.
+void race_sheets(const BenchOptions& options)
+{
+    const Mat3 turned = Eigen::AngleAxisd(0.7, Vec3(1, 2, 3).normalized()).toRotationMatrix();
+    constexpr std::uint32_t cells = 60;
+    std::vector<Vec3> points;
+    std::vector<TriangleCorners> triangles;
+    for (std::uint32_t i = 0; i <= cells; ++i)
+        for (std::uint32_t k = 0; k <= cells; ++k)
+            points.emplace_back(turned * Vec3(2.0 * i / cells - 1, 2.0 * k / cells - 1, 0));
+    for (std::uint32_t i = 0; i < cells; ++i) {
+        for (std::uint32_t k = 0; k < cells; ++k) {
+            const std::uint32_t at = i * (cells + 1) + k;
+            triangles.push_back({at, at + cells + 1, at + 1});
+            triangles.push_back({at + 1, at + cells + 1, at + cells + 2});
+        }
+    }
+    const TriangleMesh sheet = make_triangle_mesh(std::move(points), std::move(triangles)).value();
+    const MeshIndex index = with_slabs(build_mesh_index(sheet).value()).value();
+    std::printf("sheets: %zu triangles each\n", sheet.triangle_count());
+    RigidMotion motion = {.displacement = turned * Vec3(0.5, 0, 0)};
+    motion.start.translation = 1e-3 * turned.col(2);
+    race_times("sheets slide", sheet, index, {motion}, options.rounds);
 }
 
 void race_depths(const TriangleMesh& mesh, const BenchOptions& options)
@@ -201,7 +234,7 @@ int run_mesh(const std::string& name, const BenchOptions& options)
     }
     std::printf("%s: %zu triangles\n", std::filesystem::path(name).filename().string().c_str(),
                 mesh->triangle_count());
-    race_times(*mesh, *index, options);
+    race_times("time of contact", *mesh, *index, motions_of(*mesh, options), options.rounds);
     race_depths(*mesh, options);
     return 0;
 }
@@ -212,6 +245,7 @@ int run(const BenchOptions& options)
                 options.cases, static_cast<unsigned long long>(options.seed), options.rounds);
     for (const std::string& name : meshes_of(options))
         if (const int status = run_mesh(name, options); status != 0) return status;
+    race_sheets(options);
     return 0;
 }
 

@@ -6,6 +6,7 @@
 #include "cli/commands.h"
 #include "cli/counted.h"
 #include "cli/index_file_model.h"
+#include "cli/json_numbers.h"
 #include "cli/model_options.h"
 #include "cli/octree_file_model.h"
 #include "cli/text_table.h"
@@ -31,11 +32,6 @@ struct CheckOptions {
     bool strict = false;
 };
 
-Json json_of(const Vec3& point)
-{
-    return {point.x(), point.y(), point.z()};
-}
-
 template <class T>
 Json json_of(const std::optional<T>& value)
 {
@@ -45,7 +41,8 @@ Json json_of(const std::optional<T>& value)
 Json json_of(const MeshFinding& finding)
 {
     Json positions = Json::array();
-    for (const Vec3& position : finding.first_positions) positions.push_back(json_of(position));
+    for (const Vec3& position : finding.first_positions)
+        positions.push_back(json_numbers(position));
     return {{"kind", name_of(finding.kind)},       {"severity", name_of(finding.severity)},
             {"element", name_of(finding.element)}, {"count", finding.count},
             {"first_ids", finding.first_ids},      {"first_positions", positions},
@@ -68,7 +65,8 @@ Json json_of(const MeshReport& report, const std::optional<SelfIntersections>& i
 {
     Json bounds;
     if (!report.bounds.empty()) {
-        bounds = {{"lower", json_of(report.bounds.lower)}, {"upper", json_of(report.bounds.upper)}};
+        bounds = {{"lower", json_numbers(report.bounds.lower)},
+                  {"upper", json_numbers(report.bounds.upper)}};
     }
     Json findings = Json::array();
     for (const MeshFinding& finding : report.findings) findings.push_back(json_of(finding));

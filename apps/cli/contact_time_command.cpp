@@ -2,6 +2,7 @@
 #include "base/text.h"
 #include "cli/commands.h"
 #include "cli/index_file_model.h"
+#include "cli/json_numbers.h"
 #include "cli/model_options.h"
 #include "cli/names.h"
 #include "cli/poses.h"
@@ -14,6 +15,7 @@
 #include <fmt/core.h>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <numbers>
 #include <optional>
 
 namespace proxima {
@@ -94,15 +96,10 @@ Result<RigidMotion> motion_of(const ContactTimeOptions& options, const TriangleM
                 concat(options.turn, " is not AX,AY,AZ,DEGREES with an axis that is not zero"),
                 "--turn");
         }
-        motion.turn = axis.stableNormalized() * ((*numbers)[3] / 180 * 3.141592653589793);
+        motion.turn = axis.stableNormalized() * ((*numbers)[3] / 180 * std::numbers::pi);
     }
     if (Status status = check_motion(motion); !status) return tl::unexpected(status.error());
     return motion;
-}
-
-Json numbers_of(const Vec3& p)
-{
-    return Json{p.x(), p.y(), p.z()};
 }
 
 std::string_view name_of(ContactEvidence evidence)
@@ -126,11 +123,11 @@ Json json_of(const std::optional<TimeOfContact>& found)
     }
     json["free_pose"] = pose;
     json["distance"] = found->distance;
-    json["point_a"] = numbers_of(found->point_a);
-    json["point_b"] = numbers_of(found->point_b);
+    json["point_a"] = json_numbers(found->point_a);
+    json["point_b"] = json_numbers(found->point_b);
     json["triangle_a"] = to_index(found->triangle_a);
     json["triangle_b"] = to_index(found->triangle_b);
-    json["normal"] = numbers_of(found->normal);
+    json["normal"] = json_numbers(found->normal);
     json["steps"] = found->steps;
     return json;
 }
@@ -153,7 +150,7 @@ std::string text_of(const std::optional<TimeOfContact>& found)
     }
     return text +
            fmt::format("\nthen {:.3g} apart: triangle {} at {}, triangle {} at {}\nnormal {}; "
-                       "{} distances",
+                       "{} steps",
                        found->distance, to_index(found->triangle_a), triple(found->point_a),
                        to_index(found->triangle_b), triple(found->point_b), triple(found->normal),
                        found->steps);
@@ -170,9 +167,15 @@ Status run_contact_time(const ContactTimeOptions& options, Session& session)
     const double build_seconds = build_watch.seconds();
     const auto motion = motion_of(options, b->mesh, session);
     if (!motion) return tl::unexpected(motion.error());
+    TimeOfContactOptions search = options.search;
+    search.execution = session.execution();
     const Stopwatch watch;
-    const auto found = time_of_contact(a->index, b->index, *motion, options.search);
+    const auto found = [&] {
+        const ProgressBar shown(session.progress(), session.bar());
+        return time_of_contact(a->index, b->index, *motion, search);
+    }();
     const double seconds = watch.seconds();
+    if (Status status = session.check_running(); !status) return status;
     session.print(fmt::format("A {}: {} triangles\nB {}: {} triangles\n{}, {:.3f} ms\n",
                               options.model_a, a->mesh.triangle_count(), options.model_b,
                               b->mesh.triangle_count(), text_of(found), 1e3 * seconds));
@@ -181,9 +184,9 @@ Status run_contact_time(const ContactTimeOptions& options, Session& session)
                  {"triangles_a", a->mesh.triangle_count()},
                  {"triangles_b", b->mesh.triangle_count()},
                  {"build_seconds", build_seconds},
-                 {"center", numbers_of(motion->center)},
-                 {"displacement", numbers_of(motion->displacement)},
-                 {"turn", numbers_of(motion->turn)}};
+                 {"center", json_numbers(motion->center)},
+                 {"displacement", json_numbers(motion->displacement)},
+                 {"turn", json_numbers(motion->turn)}};
     json.update(json_of(found));
     json["seconds"] = seconds;
     return session.write_json(json);
@@ -225,7 +228,7 @@ Command add_contact_time_command(CLI::App& app)
         ->type_name("T");
     parser
         ->add_option("--max-steps", options->search.max_steps,
-                     "Distances that are computed at most")
+                     "Steps at most, about 1 us each: parts that are divided, steps of triangles")
         ->check(CLI::Range(1U, 1000000000U))
         ->capture_default_str()
         ->type_name("N");

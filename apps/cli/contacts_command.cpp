@@ -2,6 +2,7 @@
 #include "base/text.h"
 #include "cli/commands.h"
 #include "cli/index_file_model.h"
+#include "cli/json_numbers.h"
 #include "cli/model_options.h"
 #include "cli/poses.h"
 #include "cli/stopwatch.h"
@@ -46,11 +47,6 @@ std::string_view name_of(PenetrationMethod method)
                                                  : "bounds";
 }
 
-Json triple_of(const Vec3& p)
-{
-    return Json{p.x(), p.y(), p.z()};
-}
-
 std::string triple_text(const Vec3& p)
 {
     return fmt::format("({:.6g}, {:.6g}, {:.6g})", p.x() + 0.0, p.y() + 0.0, p.z() + 0.0);
@@ -62,12 +58,12 @@ Json json_of(const ContactRegions& found)
     for (const ContactRegion& region : found.regions) {
         Json points = Json::array();
         for (const RegionPoint& point : region.contacts()) {
-            points.push_back({{"on_a", triple_of(point.on_a)},
-                              {"on_b", triple_of(point.on_b)},
+            points.push_back({{"on_a", json_numbers(point.on_a)},
+                              {"on_b", json_numbers(point.on_b)},
                               {"depth", point.depth}});
         }
-        regions.push_back({{"position", triple_of(region.position)},
-                           {"normal", triple_of(region.normal)},
+        regions.push_back({{"position", json_numbers(region.position)},
+                           {"normal", json_numbers(region.normal)},
                            {"depth", region.depth},
                            {"length", region.length},
                            {"area", region.area},
@@ -89,9 +85,9 @@ Json json_of(const PoseContacts& found)
     return {{"method", name_of(found.depth.method)},
             {"lower", found.depth.lower},
             {"upper", found.depth.upper},
-            {"direction", triple_of(found.depth.direction)},
-            {"translation", triple_of(found.depth.translation)},
-            {"deepest", triple_of(found.depth.deepest)},
+            {"direction", json_numbers(found.depth.direction)},
+            {"translation", json_numbers(found.depth.translation)},
+            {"deepest", json_numbers(found.depth.deepest)},
             {"depth_seconds", found.depth_seconds},
             {"regions", json_of(found.regions)},
             {"region_seconds", found.region_seconds}};

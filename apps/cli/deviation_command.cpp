@@ -5,6 +5,7 @@
 #include "cli/deviation_report.h"
 #include "cli/fine_mesh.h"
 #include "cli/index_file_model.h"
+#include "cli/json_numbers.h"
 #include "cli/model_options.h"
 #include "cli/plot.h"
 #include "cli/poses.h"
@@ -195,15 +196,14 @@ std::string text_of(const OneWay& way, const std::string& from, const std::strin
 
 DeviationJson json_of(const OneWay& way)
 {
-    const auto point = [](const Vec3& p) { return DeviationJson{p.x(), p.y(), p.z()}; };
     const auto bounds = [](const DistanceBounds& both) {
         return DeviationJson{both.lower, both.upper};
     };
     const GreatestDeviation& greatest = way.greatest;
     DeviationJson json = {{"greatest", bounds(greatest.distance)},
                           {"complete", greatest.is_complete},
-                          {"point_a", point(greatest.point_a)},
-                          {"point_b", point(greatest.point_b)},
+                          {"point_a", json_numbers(greatest.point_a)},
+                          {"point_b", json_numbers(greatest.point_b)},
                           {"triangle_a", to_index(greatest.triangle_a)},
                           {"triangle_b", to_index(greatest.triangle_b)},
                           {"splits", greatest.splits},

@@ -8,6 +8,7 @@
 #include "cli/index_file_model.h"
 #include "cli/intersection_files.h"
 #include "cli/intersection_picture.h"
+#include "cli/json_numbers.h"
 #include "cli/model_options.h"
 #include "cli/poses.h"
 #include "cli/query_method.h"
@@ -219,10 +220,9 @@ Json json_of(const PoseAnswer& answer, const IntersectOptions& options)
             {"length", answer.contour.length()}};
     }
     if (answer.nearest) {
-        const auto coordinates = [](const Vec3& p) { return Json{p.x(), p.y(), p.z()}; };
         json["separation"] = answer.nearest->distance;
-        json["closest_a"] = coordinates(answer.nearest->point_a);
-        json["closest_b"] = coordinates(answer.nearest->point_b);
+        json["closest_a"] = json_numbers(answer.nearest->point_a);
+        json["closest_b"] = json_numbers(answer.nearest->point_b);
         json["triangle_a"] = to_index(answer.nearest->triangle_a);
         json["triangle_b"] = to_index(answer.nearest->triangle_b);
         json["feature_a"] = kind_name(kind_of(answer.nearest->part_a));

@@ -4,6 +4,7 @@
 #include "cli/answer_table.h"
 #include "cli/commands.h"
 #include "cli/index_file_model.h"
+#include "cli/json_numbers.h"
 #include "cli/model_options.h"
 #include "cli/names.h"
 #include "cli/row_writer.h"
@@ -178,14 +179,13 @@ Json json_of(const PatchOptions& options, const PatchModel& model, const Collect
              double area)
 {
     const ClosestFeature& closest = patch.closest;
-    const auto coordinates = [](const Vec3& p) { return Json{p.x(), p.y(), p.z()}; };
     Json result = {{"model", options.model},
                    {"triangles", model.surface.mesh.triangle_count()},
-                   {"point", coordinates(options.point)},
+                   {"point", json_numbers(options.point)},
                    {"rings", nullptr},
                    {"radius", nullptr},
                    {"distance", std::sqrt(closest.squared_distance)},
-                   {"closest_point", coordinates(closest.point)},
+                   {"closest_point", json_numbers(closest.point)},
                    {"kind", kind_name(closest.feature.kind)},
                    {"feature", closest.feature.id},
                    {"triangle", to_index(closest.triangle)},

@@ -68,8 +68,10 @@ struct SolidOptions {
 };
 
 /// Prepares a mesh for contacts; adds signs where the index has none. Vertices at one position are one.
+/// Components face outward, or inward where they bound a cavity: such a one touches neither another component
+/// nor itself, and lies inside of what the others fill.
 /// Errors: invalid_mesh (an empty index; a mesh that is open, not consistently oriented, or with a
-/// component that is turned inside out, cavities included; all vertices in one plane), limit_exceeded
+/// component that is turned inside out and no cavity's; all vertices in one plane), limit_exceeded
 /// (coordinates above max_polyhedron_coordinate), those of with_signs. O(n log n), 5 to 15 us per
 /// triangle.
 [[nodiscard]] Result<Solid> build_solid(const MeshIndex& index, const SolidOptions& options = {});

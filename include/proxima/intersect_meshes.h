@@ -158,6 +158,17 @@ struct IntersectionContour {
 [[nodiscard]] IntersectionContour intersection_contour(const MeshIndex& a, const MeshIndex& b,
                                                        const RigidTransform& pose_b = {});
 
+struct ContourOptions {
+    Execution execution =
+        {}; ///< one thread; stage "finding the intersection contour", steps are pairs
+};
+
+/// Like this, and can be watched and cancelled. Error cancelled.
+[[nodiscard]] Result<IntersectionContour> intersection_contour(const MeshIndex& a,
+                                                               const MeshIndex& b,
+                                                               const RigidTransform& pose_b,
+                                                               const ContourOptions& options);
+
 /// The contour of pairs of triangles that the caller has found, in any order. Pairs that do not meet
 /// are left out.
 /// About 3 us each. \pre the meshes are those of the indexes, or at least these triangles of them

@@ -7,6 +7,7 @@
 // Slabs are in the order of the blocks, so that those of a node's children lie side by side.
 #pragma once
 
+#include <array>
 #include <cstdint>
 
 namespace proxima {
@@ -17,5 +18,23 @@ struct BlockSlab {
     std::uint32_t extent = 0; ///< upper, lower from the top in sixteen bits each, signed, times
                               ///< e 2^-15
 };
+
+/// A slab as numbers; `lower` and `upper` in units of e.
+struct SlabNumbers {
+    std::array<float, 3> normal;
+    float lower;
+    float upper;
+};
+
+inline SlabNumbers read_slab(const BlockSlab& slab) noexcept
+{
+    const auto number = [&](unsigned bits_above) {
+        return static_cast<float>(static_cast<std::int32_t>(slab.normal << bits_above) >> 22) *
+               0x1p-9F;
+    };
+    return {{number(0), number(10), number(20)},
+            static_cast<float>(static_cast<std::int32_t>(slab.extent << 16U) >> 16) * 0x1p-15F,
+            static_cast<float>(static_cast<std::int32_t>(slab.extent) >> 16) * 0x1p-15F};
+}
 
 } // namespace proxima

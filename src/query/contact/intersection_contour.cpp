@@ -1,5 +1,6 @@
 #include "proxima/intersect_meshes.h"
 
+#include "base/progress.h"
 #include "geometry/exact_predicates.h"
 #include "geometry/triangle_intersection.h"
 #include "index/index_parts.h"
@@ -7,11 +8,14 @@
 #include "query/contact/join_segments.h"
 
 #include <algorithm>
+#include <optional>
 #include <tuple>
 #include <utility>
 
 namespace proxima {
 namespace {
+
+constexpr const char* contour_stage = "finding the intersection contour";
 
 /// The triangles of a mesh that meet another's.
 class TrianglesOfMesh {
@@ -194,16 +198,21 @@ public:
           vertices_b_(b, pairs, [](const TrianglePair& pair) { return pair.b; })
     {
         // Triangles that lie on each other meet the same ones in the same points: once is enough.
-        std::vector<TrianglePair> distinct;
         for (const TrianglePair& pair : pairs)
-            distinct.push_back({vertices_a_.first_like(pair.a), vertices_b_.first_like(pair.b)});
-        std::ranges::sort(distinct);
-        distinct.erase(std::unique(distinct.begin(), distinct.end()), distinct.end());
-        for (const TrianglePair& pair : distinct) add(pair);
+            pairs_.push_back({vertices_a_.first_like(pair.a), vertices_b_.first_like(pair.b)});
+        std::ranges::sort(pairs_);
+        pairs_.erase(std::unique(pairs_.begin(), pairs_.end()), pairs_.end());
     }
 
-    [[nodiscard]] IntersectionContour contour()
+    /// Nothing where the progress asks to stop.
+    [[nodiscard]] std::optional<IntersectionContour> contour(Progress* progress)
     {
+        StageSteps steps(progress, contour_stage, pairs_.size());
+        for (const TrianglePair& pair : pairs_) {
+            add(pair);
+            if (!steps.done(1)) return std::nullopt;
+        }
+        if (is_cancelled(progress)) return std::nullopt;
         number_ends();
         std::vector<SegmentEnds> borders = renumbered(borders_);
         std::ranges::sort(borders);
@@ -329,12 +338,36 @@ private:
     const RigidTransform& pose_b_;
     SharedVertices<Triangles> vertices_a_;
     SharedVertices<Triangles> vertices_b_;
+    std::vector<TrianglePair> pairs_;
     std::vector<ContourPoint> ends_;
     std::vector<SegmentEnds> segments_;
     std::vector<SegmentEnds> borders_;   ///< of polygons
     std::vector<SegmentEnds> touches_;   ///< of triangles side by side in one plane
     std::vector<std::uint32_t> numbers_; ///< of the ends as added
 };
+
+/// Nothing where the progress asks to stop.
+std::optional<IntersectionContour> contour_of_indexes(const MeshIndex& a, const MeshIndex& b,
+                                                      const RigidTransform& pose_b,
+                                                      Progress* progress)
+{
+    std::vector<TrianglePair> pairs;
+    std::vector<std::uint32_t> rows_a;
+    std::vector<std::uint32_t> rows_b;
+    visit_intersecting_rows(a.parts(), b.parts(), pose_b, [&](std::span<const RowPair> some) {
+        for (const RowPair& rows : some) {
+            pairs.push_back({a.ids()[rows.a], b.ids()[rows.b]});
+            rows_a.push_back(rows.a);
+            rows_b.push_back(rows.b);
+        }
+        return is_cancelled(progress) ? Flow::stop : Flow::proceed;
+    });
+    if (is_cancelled(progress)) return std::nullopt;
+    std::ranges::sort(pairs);
+    const TrianglesOfRows triangles_a(a.parts(), std::move(rows_a));
+    const TrianglesOfRows triangles_b(b.parts(), std::move(rows_b));
+    return ContourMaker(triangles_a, triangles_b, pose_b, pairs).contour(progress);
+}
 
 } // namespace
 
@@ -353,21 +386,16 @@ double IntersectionContour::length() const noexcept
 IntersectionContour intersection_contour(const MeshIndex& a, const MeshIndex& b,
                                          const RigidTransform& pose_b)
 {
-    std::vector<TrianglePair> pairs;
-    std::vector<std::uint32_t> rows_a;
-    std::vector<std::uint32_t> rows_b;
-    visit_intersecting_rows(a.parts(), b.parts(), pose_b, [&](std::span<const RowPair> some) {
-        for (const RowPair& rows : some) {
-            pairs.push_back({a.ids()[rows.a], b.ids()[rows.b]});
-            rows_a.push_back(rows.a);
-            rows_b.push_back(rows.b);
-        }
-        return Flow::proceed;
-    });
-    std::ranges::sort(pairs);
-    const TrianglesOfRows triangles_a(a.parts(), std::move(rows_a));
-    const TrianglesOfRows triangles_b(b.parts(), std::move(rows_b));
-    return ContourMaker(triangles_a, triangles_b, pose_b, pairs).contour();
+    return *contour_of_indexes(a, b, pose_b, nullptr);
+}
+
+Result<IntersectionContour> intersection_contour(const MeshIndex& a, const MeshIndex& b,
+                                                 const RigidTransform& pose_b,
+                                                 const ContourOptions& options)
+{
+    auto contour = contour_of_indexes(a, b, pose_b, options.execution.progress);
+    if (!contour) return cancelled(contour_stage);
+    return *std::move(contour);
 }
 
 IntersectionContour intersection_contour(const TriangleMesh& a, const TriangleMesh& b,
@@ -376,7 +404,7 @@ IntersectionContour intersection_contour(const TriangleMesh& a, const TriangleMe
 {
     const TrianglesOfMesh triangles_a(a);
     const TrianglesOfMesh triangles_b(b);
-    return ContourMaker(triangles_a, triangles_b, pose_b, pairs).contour();
+    return *ContourMaker(triangles_a, triangles_b, pose_b, pairs).contour(nullptr);
 }
 
 } // namespace proxima

@@ -360,8 +360,10 @@ Result<ContactRegions> contact_regions(const Solid& a, const Solid& b, const Rig
     Progress* const progress = options.execution.progress;
     const auto stopped = [] { return cancelled("finding contact regions"); };
     if (is_cancelled(progress)) return stopped();
+    auto contour = intersection_contour(a.index(), b.index(), pose_b, {options.execution});
+    if (!contour) return stopped();
     ContactRegions found;
-    found.contour = intersection_contour(a.index(), b.index(), pose_b);
+    found.contour = std::move(*contour);
     RegionMaker maker(a, b, pose_b, found.contour);
     const auto joined = joined_lines(found.contour);
     begin_stage(progress, "measuring contact regions", joined.size());

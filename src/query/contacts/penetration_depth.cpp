@@ -6,6 +6,7 @@
 #include "proxima/minkowski_sum.h"
 #include "query/contact/enclosure_parts.h"
 #include "query/contacts/deepest_point.h"
+#include "query/contacts/hull_depth.h"
 #include "query/contacts/overlap.h"
 #include "query/contacts/solid_parts.h"
 
@@ -59,17 +60,14 @@ public:
     Result<PenetrationDepth> find()
     {
         if (!overlap_(pose_)) return PenetrationDepth{};
-        auto moved = convex_hull(moved_, {}, options_.execution);
-        if (!moved) return tl::unexpected(moved.error());
-        const auto between = separation(a_.hull, *moved, {.execution = options_.execution});
-        if (!between) return tl::unexpected(between.error());
-        const double hull_depth = std::max(0.0, -between->distance);
-        take(between->direction, hull_reach(between->direction));
+        const auto hulls = hull_depth();
+        if (!hulls) return tl::unexpected(hulls.error());
+        take(hulls->direction, hull_reach(hulls->direction));
         if (a_.is_convex && b_.is_convex) {
             answer_.method = PenetrationMethod::convex;
             const double error = a_.hull_error + b_.hull_error * (1 + stretch()) + slack_;
-            answer_.lower = std::max(0.0, hull_depth - error);
-            answer_.deepest = common_point();
+            answer_.lower = std::max(0.0, hulls->lower - error);
+            answer_.deepest = hulls->common ? *hulls->common : common_point();
             if (is_cancelled(options_.execution.progress)) return stopped();
         } else {
             answer_.method = PenetrationMethod::bounds;
@@ -77,12 +75,32 @@ public:
             if (is_cancelled(options_.execution.progress)) return stopped();
             if (!bound_from_above()) return stopped();
         }
-        PROXIMA_CHECK(answer_.lower <= answer_.upper); // each is proven by itself
+        // Both are proven, roundings included. If they crossed all the same, the upper one counts: its
+        // translation is seen to part the hulls or, exactly, the meshes.
+        answer_.lower = std::min(answer_.lower, answer_.upper);
         return answer_;
     }
 
 private:
     static tl::unexpected<Error> stopped() { return cancelled("finding the penetration depth"); }
+
+    struct HullAnswer {
+        double lower; ///< but for the slack
+        Vec3 direction;
+        std::optional<Vec3> common;
+    };
+
+    /// By few points of the Minkowski sum or, where these do not say it, by all of it.
+    [[nodiscard]] Result<HullAnswer> hull_depth() const
+    {
+        if (const auto few = find_hull_depth(a_.hull, b_.hull, moved_, slack_))
+            return HullAnswer{few->lower, few->direction, few->common};
+        auto moved = convex_hull(moved_, {}, options_.execution);
+        if (!moved) return tl::unexpected(moved.error());
+        const auto between = separation(a_.hull, *moved, {.execution = options_.execution});
+        if (!between) return tl::unexpected(between.error());
+        return HullAnswer{std::max(0.0, -between->distance), between->direction, std::nullopt};
+    }
 
     /// B moved this far along the direction is beyond A, as their hulls are: surely.
     [[nodiscard]] double hull_reach(const Vec3& direction) const
@@ -106,7 +124,9 @@ private:
     /// Where the search found none: overlaps that are small beside the meshes.
     [[nodiscard]] Vec3 point_of_both() const
     {
-        const IntersectionContour contour = intersection_contour(a_.index, b_.index, pose_);
+        const auto found = intersection_contour(a_.index, b_.index, pose_, {options_.execution});
+        if (!found) return Vec3::Zero(); // cancelled, as the caller will see
+        const IntersectionContour& contour = *found;
         if (contour.points.empty()) { // one part is inside the other mesh
             for (const Vec3& p : a_.enclosure.parts().vertices)
                 if (encloses(b_.enclosure, pose_, p)) return p;

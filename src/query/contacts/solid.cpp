@@ -6,6 +6,7 @@
 #include "proxima/mesh_report.h"
 #include "proxima/signed_distance.h"
 #include "query/contact/enclosure_parts.h"
+#include "query/contacts/cavities.h"
 #include "query/contacts/overlap.h"
 #include "query/contacts/solid_parts.h"
 
@@ -35,10 +36,10 @@ Result<TriangleMesh> welded(const TriangleMesh& mesh, double scale)
     return make_triangle_mesh(std::move(positions), std::move(triangles));
 }
 
-/// That the surface bounds a solid: closed, oriented, every component outward.
-Status check_solid(const TriangleMesh& mesh, double scale, const Execution& execution)
+/// That the surface bounds a solid: closed, oriented, every component outward or a cavity's.
+Status check_solid(const MeshIndex& index, const TriangleMesh& mesh, const Execution& execution)
 {
-    const auto whole = welded(mesh, scale);
+    const auto whole = welded(mesh, index.parts().scale());
     if (!whole) return tl::unexpected(whole.error());
     const auto report = report_mesh(*whole, {.execution = execution});
     if (!report) return tl::unexpected(report.error());
@@ -56,12 +57,12 @@ Status check_solid(const TriangleMesh& mesh, double scale, const Execution& exec
         return refuse("triangles of the closed mesh face different ways, so it has no inside: turn "
                       "them (proxima repair)");
     }
+    if (report->orientation == Orientation::mixed) return check_cavities(index, mesh, execution);
     if (report->orientation != Orientation::outward) {
-        return refuse(concat("a component of the mesh is turned inside out or a cavity, or has no "
-                             "volume: the mesh is oriented ",
+        return refuse(concat("the mesh is turned inside out, or a component has no volume: it is "
+                             "oriented ",
                              name_of(report->orientation),
-                             ", and outward is needed; turn what is inside out (proxima repair), "
-                             "and leave cavities out: repair would fill them"));
+                             ", and outward is needed; turn what is inside out (proxima repair)"));
     }
     return {};
 }
@@ -151,7 +152,7 @@ Result<Solid> build_solid(const MeshIndex& index, const SolidOptions& options)
     const auto bounds = checked_bounding_box(*mesh);
     if (!bounds) return tl::unexpected(bounds.error());
     const Execution& execution = options.execution;
-    if (Status status = check_solid(*mesh, index.parts().scale(), execution); !status)
+    if (Status status = check_solid(index, *mesh, execution); !status)
         return tl::unexpected(status.error());
     std::vector<bool> is_used(mesh->vertex_count(), false);
     for (const TriangleCorners& corners : mesh->triangles())

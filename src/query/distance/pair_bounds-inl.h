@@ -18,6 +18,7 @@
 #include "index/slabs/block_slab.h"
 #include "query/distance/distance_search.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
@@ -165,13 +166,10 @@ struct OneSlab {
     HWY_INLINE OneSlab(const IndexParts& index, std::uint32_t reference)
     {
         if (index.slabs().empty()) return;
-        const BlockSlab& slab = index.slabs()[reference & ~index_leaf_bit];
-        for (unsigned k = 0; k < 3; ++k) {
-            normal[k] = static_cast<float>(static_cast<std::int32_t>(slab.normal << 10 * k) >> 22) *
-                        0x1p-9F;
-        }
-        upper = static_cast<float>(static_cast<std::int32_t>(slab.extent) >> 16) * 0x1p-15F;
-        lower = static_cast<float>(static_cast<std::int32_t>(slab.extent << 16U) >> 16) * 0x1p-15F;
+        const SlabNumbers slab = read_slab(index.slabs()[reference & ~index_leaf_bit]);
+        std::copy(slab.normal.begin(), slab.normal.end(), normal);
+        lower = slab.lower;
+        upper = slab.upper;
     }
 };
 

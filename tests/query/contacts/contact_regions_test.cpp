@@ -152,6 +152,17 @@ TEST(ContactRegions, RefusePosesThatAreNone)
               ErrorCode::cancelled);
 }
 
+TEST(ContactRegions, AreCancelledAtEveryStage)
+{
+    const Solid ball = solid_of(make_icosphere(4));
+    const Solid torus = solid_of(make_torus(64, 32));
+    cancel_at_every_stage(
+        [&](Progress& progress) {
+            return contact_regions(ball, torus, {}, {.execution = {.progress = &progress}});
+        },
+        [] { return true; });
+}
+
 TEST(ContactRegions, OfTwoBallsAreTheLens)
 {
     const Solid ball = solid_of(make_icosphere(4));

@@ -394,6 +394,72 @@ TEST(Solid, IsRefusedWhereItHasNoInside)
     EXPECT_NEAR(found->upper, 0.5, 1e-9);
 }
 
+TEST(Solid, HasCavitiesWhereInnerShellsFaceInward)
+{
+    const TriangleMesh cube = make_cube();
+    const auto box = [](double size, const Vec3& center) {
+        return moved(make_cube(), [=](const Vec3& p) { return Vec3(size * p + center); });
+    };
+    const TriangleMesh shell = joined(cube, inverted(box(0.5, Vec3::Zero())));
+    const Solid hollow = solid_of(shell);
+    EXPECT_FALSE(hollow.is_convex());
+    const Solid small = solid_of(box(0.25, Vec3::Zero()));
+    EXPECT_FALSE(solids_overlap(hollow, small)); // in the cavity
+    EXPECT_FALSE(solids_overlap(small, hollow));
+    EXPECT_TRUE(solids_overlap(hollow, small, moved_by(Vec3(0.75, 0, 0)))); // in the wall
+    EXPECT_TRUE(solids_overlap(hollow, small, moved_by(Vec3(0.25, 0, 0)))); // touches it
+    // Into the cavity is the shortest way.
+    for (const double depth : {0.125, 0.01}) {
+        const RigidTransform pose = moved_by(Vec3(0.25 + depth, 0, 0));
+        const auto found = penetration_depth(hollow, small, pose);
+        ASSERT_TRUE(found);
+        expect_true_bounds(hollow, small, pose, *found);
+        EXPECT_NEAR(found->upper, depth, 1e-5);
+        EXPECT_LE(found->lower, depth);
+        EXPECT_LT(found->direction.x(), -0.999);
+        const auto regions = contact_regions(hollow, small, pose);
+        ASSERT_TRUE(regions);
+        ASSERT_EQ(regions->regions.size(), 1U);
+        EXPECT_NEAR(regions->regions.front().depth, depth, 1e-9);
+        EXPECT_LT(regions->regions.front().normal.x(), -0.999); // from A to B
+    }
+    // A solid in the cavity, and a cavity in that; components that overlap share one.
+    solid_of(joined(joined(shell, box(0.25, Vec3::Zero())), inverted(box(0.125, Vec3::Zero()))));
+    const TriangleMesh two = joined(box(1, Vec3::Zero()), box(1, Vec3(1, 0.1, 0.2)));
+    const Solid filled = solid_of(joined(two, inverted(box(0.125, Vec3(0.5, 0, 0)))));
+    const Solid tiny = solid_of(box(0.0625, Vec3(0.5, 0, 0)));
+    EXPECT_TRUE(solids_overlap(filled, tiny)) << "the other component still fills it";
+}
+
+TEST(Solid, IsRefusedWhereAComponentThatFacesInwardIsNoCavity)
+{
+    const auto box = [](double size, double x) {
+        return moved(make_cube(), [=](const Vec3& p) {
+            return Vec3(size * p.x() + x, size * p.y(), size * p.z());
+        });
+    };
+    const auto refused = [](const TriangleMesh& mesh, const char* says) {
+        const auto solid = build_solid(build_mesh_index(mesh).value());
+        ASSERT_FALSE(solid) << says;
+        EXPECT_EQ(solid.error().code, ErrorCode::invalid_mesh);
+        EXPECT_NE(solid.error().message.find(says), std::string::npos) << solid.error().message;
+    };
+    refused(joined(box(1, 0), inverted(box(0.5, 5))), "triangle 12 faces inward and is in nothing");
+    refused(joined(joined(box(1, 0), inverted(box(0.5, 0))), inverted(box(0.25, 0))),
+            "triangle 24 faces inward and is in nothing");
+    refused(joined(box(1, 0), inverted(box(0.5, 0.75))), "faces inward and touches one");
+    refused(joined(box(1, 0), inverted(box(0.5, 0.5))), "faces inward and touches one");
+    refused(joined(box(4, 0), inverted(joined(box(0.5, 0.1), box(0.5, 0.4)))),
+            "touches itself or another");
+    Progress progress;
+    progress.cancel();
+    const auto stopped =
+        build_solid(build_mesh_index(joined(box(1, 0), inverted(box(0.5, 0)))).value(),
+                    {.execution = {.progress = &progress}});
+    ASSERT_FALSE(stopped);
+    EXPECT_EQ(stopped.error().code, ErrorCode::cancelled);
+}
+
 TEST(Solid, OverlapsWhereOneIsInsideOrTheyTouch)
 {
     const Solid large = solid_of(box_mesh({Vec3(-4, -4, -4), Vec3(4, 4, 4)}));

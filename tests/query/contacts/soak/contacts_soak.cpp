@@ -55,7 +55,7 @@ struct SoakCounts {
     int untrue = 0; ///< contact, and the meshes do not meet
     double widest = 0;
     std::vector<double> seconds;
-    std::vector<double> distances;
+    std::vector<double> steps;
     double stepping = 0;
 };
 
@@ -66,7 +66,7 @@ void check_motion_of(const MeshIndex& a, const MeshIndex& b, const RigidMotion& 
     const auto found = time_of_contact(a, b, motion);
     const double end = processor_seconds();
     counts.seconds.push_back(end - start);
-    if (found) counts.distances.push_back(found->steps);
+    if (found) counts.steps.push_back(found->steps);
     double first = HUGE_VAL;
     for (int i = 0; i <= steps && first == HUGE_VAL; ++i) {
         const double time = static_cast<double>(i) / steps;
@@ -118,16 +118,15 @@ int run_soak(const ContactsSoakOptions& options)
         return values[values.size() / 2];
     };
     const double most = *std::ranges::max_element(counts.seconds);
-    std::printf(
-        "%d motions from seed %llu against %d steps each: %d contacts, %d of them at the "
-        "start, %d undecided\n"
-        "past a contact %d, missed %d, untrue %d; widest interval %.3g\n"
-        "%.3f ms a motion, median, %.3f ms at most; %.0f distances, median; steps %.3f ms a "
-        "motion\n",
-        options.motions, static_cast<unsigned long long>(options.seed), options.steps,
-        counts.contacts, counts.at_start, counts.undecided, counts.passed, counts.missed,
-        counts.untrue, counts.widest, 1e3 * middle(counts.seconds), 1e3 * most,
-        middle(counts.distances), 1e3 * counts.stepping / options.motions);
+    std::printf("%d motions from seed %llu against %d steps each: %d contacts, %d of them at the "
+                "start, %d undecided\n"
+                "past a contact %d, missed %d, untrue %d; widest interval %.3g\n"
+                "%.3f ms a motion, median, %.3f ms at most; %.0f steps, median; stepping %.3f ms a "
+                "motion\n",
+                options.motions, static_cast<unsigned long long>(options.seed), options.steps,
+                counts.contacts, counts.at_start, counts.undecided, counts.passed, counts.missed,
+                counts.untrue, counts.widest, 1e3 * middle(counts.seconds), 1e3 * most,
+                middle(counts.steps), 1e3 * counts.stepping / options.motions);
     return counts.passed + counts.missed + counts.untrue == 0 ? 0 : 1;
 }
 

@@ -1,0 +1,127 @@
+#include "query/contacts/cavities.h"
+
+#include "base/disjoint_sets.h"
+#include "base/progress.h"
+#include "base/text.h"
+#include "index/crossings.h"
+#include "index/index_parts.h"
+#include "mesh/coincidence.h"
+#include "proxima/intersect_meshes.h"
+#include "proxima/mesh_repair.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <vector>
+
+namespace proxima {
+
+namespace {
+
+constexpr std::uint32_t no_component = ~std::uint32_t{0};
+
+/// For every triangle the lowest one that edges connect it with; vertices at one position are one. No
+/// component of triangles without three different ones.
+std::vector<std::uint32_t> components_of(const TriangleMesh& mesh)
+{
+    const std::vector<std::uint32_t> first = detail::first_at_position(mesh);
+    struct Side {
+        std::uint64_t vertices;
+        std::uint32_t triangle;
+    };
+    std::vector<Side> sides;
+    sides.reserve(3 * mesh.triangle_count());
+    std::vector<std::uint32_t> components(mesh.triangle_count(), no_component);
+    for (std::uint32_t t = 0; t < mesh.triangle_count(); ++t) {
+        TriangleCorners corners = mesh.triangles()[t];
+        for (std::uint32_t& corner : corners) corner = first[corner];
+        if (corners[0] == corners[1] || corners[1] == corners[2] || corners[2] == corners[0])
+            continue;
+        components[t] = t;
+        for (std::size_t i = 0; i < 3; ++i) {
+            const auto [low, high] = std::minmax(corners[i], corners[(i + 1) % 3]);
+            sides.push_back({std::uint64_t{low} << 32U | high, t});
+        }
+    }
+    std::ranges::sort(sides, {}, &Side::vertices);
+    DisjointSets sets(mesh.triangle_count());
+    for (std::size_t i = 1; i < sides.size(); ++i) {
+        if (sides[i].vertices == sides[i - 1].vertices)
+            sets.unite(sides[i].triangle, sides[i - 1].triangle);
+    }
+    for (std::uint32_t& component : components)
+        if (component != no_component) component = sets.find(component);
+    return components;
+}
+
+/// Signed, in any unit, by component.
+std::vector<double> volumes_of(const TriangleMesh& mesh,
+                               const std::vector<std::uint32_t>& components, double scale)
+{
+    const Vec3 center = bounding_box(mesh).center();
+    std::vector<double> volumes(mesh.triangle_count(), 0);
+    for (std::uint32_t t = 0; t < components.size(); ++t) {
+        if (components[t] == no_component) continue;
+        const Triangle triangle = mesh.triangle(TriangleId{t});
+        const auto corner = [&](int i) { return Vec3((triangle[i] - center) * scale); };
+        volumes[components[t]] += corner(0).dot(corner(1).cross(corner(2)));
+    }
+    return volumes;
+}
+
+tl::unexpected<Error> refuse(std::uint32_t component, std::string_view what)
+{
+    return fail(ErrorCode::invalid_mesh,
+                concat("the component with triangle ", component, " faces inward ", what));
+}
+
+} // namespace
+
+Status check_cavities(const MeshIndex& index, const TriangleMesh& mesh, const Execution& execution)
+{
+    const std::vector<std::uint32_t> components = components_of(mesh);
+    const std::vector<double> volumes = volumes_of(mesh, components, index.parts().scale());
+    std::vector<TriangleId> inward;
+    std::vector<TriangleId> outward;
+    for (std::uint32_t t = 0; t < components.size(); ++t) {
+        if (components[t] == no_component) continue;
+        (volumes[components[t]] < 0 ? inward : outward).push_back(TriangleId{t});
+    }
+    const auto inner = build_mesh_index(sub_mesh(mesh, inward), {.execution = execution});
+    if (!inner) return tl::unexpected(inner.error());
+    const auto outer = build_mesh_index(sub_mesh(mesh, outward), {.execution = execution});
+    if (!outer) return tl::unexpected(outer.error());
+    const auto component_of = [&](TriangleId in_sub_mesh) {
+        return components[to_index(inward[to_index(in_sub_mesh)])];
+    };
+    constexpr std::string_view needed = ": a cavity must be apart from all other components";
+    if (const auto meeting = find_meeting(*inner, *outer)) {
+        return refuse(component_of(meeting->triangle_a),
+                      concat("and touches one that faces outward", needed));
+    }
+    const auto touches = find_self_intersections(*inner, {.max_pairs = 1, .execution = execution});
+    if (!touches) return tl::unexpected(touches.error());
+    if (!touches->pairs.empty()) {
+        return refuse(component_of(touches->pairs.front().a),
+                      concat("and touches itself or another such", needed));
+    }
+    const Box bounds = bounding_box(mesh);
+    for (const TriangleId triangle : inward) {
+        const std::uint32_t component = components[to_index(triangle)];
+        if (to_index(triangle) != component) continue;
+        int winding = 0;
+        visit_crossings(index.parts(), bounds, {}, mesh.triangle(triangle)[0],
+                        [&](std::uint32_t row, int crossing) {
+                            const std::uint32_t other = components[to_index(index.ids()[row])];
+                            if (other != component && other != no_component) winding += crossing;
+                        });
+        if (winding < 1) {
+            return refuse(component, "and is in nothing that it could be a cavity of: turn it "
+                                     "(proxima repair)");
+        }
+        if (is_cancelled(execution.progress)) return cancelled("checking cavities");
+    }
+    return {};
+}
+
+} // namespace proxima
