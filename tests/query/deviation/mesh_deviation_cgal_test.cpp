@@ -162,7 +162,7 @@ TEST(MeshDeviationAndCgal, MeansHoldThoseOfExactDistances)
         double squares = 0;
         double doubt = 0;
         double farthest = 0;
-        const int cuts = a.triangle_count() < 100 ? 12 : 4;
+        const int cuts = a.triangle_count() < 100 ? 12 : 2;
         for (std::uint32_t i = 0; i < a.triangle_count(); ++i) {
             const Triangle triangle = a.triangle(TriangleId{i});
             const Vec3 u = (triangle[1] - triangle[0]) / cuts;
