@@ -6,6 +6,7 @@
     Open3D      a million random points of each surface, as Metro has it, without a bound
 """
 import argparse
+import functools
 import json
 import resource
 import statistics
@@ -41,12 +42,13 @@ def write_off(path, points, triangles):
         file.writelines("3 {} {} {}\n".format(*triangle) for triangle in triangles)
 
 
+@functools.cache
 def read_off(path):
-    words = Path(path).read_text().split()
-    vertices, triangles = int(words[1]), int(words[2])
-    end = 4 + 3 * vertices
-    points = np.array(words[4:end], dtype=float).reshape(-1, 3)
-    return points, np.array(words[end:end + 4 * triangles], dtype=np.int64).reshape(-1, 4)[:, 1:]
+    head, counts, body = Path(path).read_text().split("\n", 2)
+    assert head == "OFF"
+    vertices, triangles, _ = map(int, counts.split())
+    numbers = np.fromstring(body, sep=" ")
+    return numbers[:3 * vertices].reshape(-1, 3), numbers[3 * vertices:].reshape(triangles, 4)[:, 1:].astype(np.int64)
 
 
 class Pairs:
