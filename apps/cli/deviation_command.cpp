@@ -2,10 +2,10 @@
 #include "base/file_extension.h"
 #include "cli/camera_options.h"
 #include "cli/commands.h"
+#include "cli/deviation_answer.h"
 #include "cli/deviation_report.h"
 #include "cli/fine_mesh.h"
 #include "cli/index_file_model.h"
-#include "cli/json_numbers.h"
 #include "cli/model_options.h"
 #include "cli/plot.h"
 #include "cli/poses.h"
@@ -25,14 +25,14 @@ namespace proxima {
 
 namespace {
 
-using DeviationJson = nlohmann::ordered_json;
-
 struct DeviationOptions {
     std::string model_a;
     std::string model_b;
     std::string pose;
     double tolerance = 0;
     double mean_tolerance = 0;
+    std::uint32_t places = 0;
+    double place_spacing = 0;
     bool one_sided = false;
     bool no_mean = false;
     bool is_signed = false;
@@ -49,14 +49,6 @@ struct DeviationModel {
     std::string name;
     TriangleMesh mesh;
     MeshIndex index;
-};
-
-/// From one mesh to the other.
-struct OneWay {
-    GreatestDeviation greatest;
-    std::optional<MeanDeviation> mean; ///< none where it is not wanted, or of a mesh without area
-    double greatest_seconds = 0;
-    double mean_seconds = 0;
 };
 
 Status check_deviation_options(const DeviationOptions& options, const Session& session)
@@ -107,14 +99,16 @@ Execution deviation_execution(const DeviationOptions& options, Session& session)
     return execution;
 }
 
-Result<OneWay> measure_greatest(const DeviationModel& from, const DeviationModel& to,
-                                const DeviationOptions& options, Session& session)
+Result<OneWayDeviation> measure_greatest(const DeviationModel& from, const DeviationModel& to,
+                                         const DeviationOptions& options, Session& session)
 {
-    OneWay way;
+    OneWayDeviation way;
     const Stopwatch watch;
     const ProgressBar shown(session.progress(), session.bar());
     auto greatest = greatest_deviation(from.index, to.index,
                                        {.tolerance = options.tolerance,
+                                        .max_places = options.places,
+                                        .place_spacing = options.place_spacing,
                                         .max_splits = options.max_splits,
                                         .execution = deviation_execution(options, session)});
     if (!greatest) return at_model(greatest.error(), from.name);
@@ -124,7 +118,8 @@ Result<OneWay> measure_greatest(const DeviationModel& from, const DeviationModel
 }
 
 Status measure_mean(const DeviationModel& from, const DeviationModel& to,
-                    const DeviationOptions& options, double end, Session& session, OneWay& way)
+                    const DeviationOptions& options, double end, Session& session,
+                    OneWayDeviation& way)
 {
     const Stopwatch watch;
     const ProgressBar shown(session.progress(), session.bar());
@@ -170,57 +165,7 @@ Result<VertexDeviations> vertex_deviations(const TriangleMesh& mesh, const Devia
     return result;
 }
 
-std::string text_of(const OneWay& way, const std::string& from, const std::string& to)
-{
-    const GreatestDeviation& greatest = way.greatest;
-    const Vec3& a = greatest.point_a;
-    const Vec3& b = greatest.point_b;
-    std::string text = fmt::format(
-        "from {} to {}\n"
-        "  greatest            {:.12g} to {:.12g}{}, {:.3f} s\n"
-        "    at ({:.9g}, {:.9g}, {:.9g}) of triangle {}, closest ({:.9g}, {:.9g}, {:.9g}) of "
-        "triangle {}\n",
-        from, to, greatest.distance.lower, greatest.distance.upper,
-        greatest.is_complete ? "" : " (tolerance not reached)", way.greatest_seconds, a.x(), a.y(),
-        a.z(), to_index(greatest.triangle_a), b.x(), b.y(), b.z(), to_index(greatest.triangle_b));
-    if (way.mean) {
-        text +=
-            fmt::format("  mean                {:.9g} to {:.9g}{}, {:.3f} s\n"
-                        "  root mean square    {:.9g} to {:.9g}\n",
-                        way.mean->mean.lower, way.mean->mean.upper,
-                        way.mean->is_complete ? "" : " (tolerance not reached)", way.mean_seconds,
-                        way.mean->root_mean_square.lower, way.mean->root_mean_square.upper);
-    }
-    return text;
-}
-
-DeviationJson json_of(const OneWay& way)
-{
-    const auto bounds = [](const DistanceBounds& both) {
-        return DeviationJson{both.lower, both.upper};
-    };
-    const GreatestDeviation& greatest = way.greatest;
-    DeviationJson json = {{"greatest", bounds(greatest.distance)},
-                          {"complete", greatest.is_complete},
-                          {"point_a", json_numbers(greatest.point_a)},
-                          {"point_b", json_numbers(greatest.point_b)},
-                          {"triangle_a", to_index(greatest.triangle_a)},
-                          {"triangle_b", to_index(greatest.triangle_b)},
-                          {"splits", greatest.splits},
-                          {"seconds", way.greatest_seconds}};
-    if (way.mean) {
-        json["mean"] = bounds(way.mean->mean);
-        json["root_mean_square"] = bounds(way.mean->root_mean_square);
-        json["mean_complete"] = way.mean->is_complete;
-        json["area"] = way.mean->area;
-        json["histogram"] = way.mean->histogram;
-        json["mean_splits"] = way.mean->splits;
-        json["mean_seconds"] = way.mean_seconds;
-    }
-    return json;
-}
-
-DeviationHistogram histogram_of(const std::vector<OneWay>& ways, double end)
+DeviationHistogram histogram_of(const std::vector<OneWayDeviation>& ways, double end)
 {
     DeviationHistogram histogram{.end = end, .names = {}, .shares = {}};
     for (std::size_t i = 0; i < ways.size(); ++i) {
@@ -281,7 +226,7 @@ Status run_deviation(const DeviationOptions& options, Session& session)
                                         read.poses.empty() ? nullptr : read.poses.data(), session);
     if (!b) return tl::unexpected(b.error());
 
-    std::vector<OneWay> ways;
+    std::vector<OneWayDeviation> ways;
     DistanceBounds hausdorff;
     for (int i = 0; i < (options.one_sided ? 1 : 2); ++i) {
         auto way = i == 0 ? measure_greatest(*a, *b, options, session)
@@ -306,26 +251,17 @@ Status run_deviation(const DeviationOptions& options, Session& session)
                                    a->mesh.triangle_count(), b->name, b->mesh.triangle_count());
     const std::string rotated = rotation_text(read.rotation_error);
     if (!rotated.empty()) text += rotated + '\n';
-    text += text_of(ways[0], "A", "B");
-    if (!options.one_sided) {
-        text += text_of(ways[1], "B", "A");
-        text += fmt::format("Hausdorff distance    {:.12g} to {:.12g}\n", hausdorff.lower,
-                            hausdorff.upper);
-    }
+    text += deviation_text(ways, hausdorff);
     if (!histogram.shares.empty()) text += histogram_text(histogram);
     for (const std::string& path : {options.histogram, options.out, options.picture})
         if (!path.empty()) text += fmt::format("wrote {}\n", path);
     session.print(text);
-    DeviationJson json = {{"a", a->name},
-                          {"b", b->name},
-                          {"triangles_a", a->mesh.triangle_count()},
-                          {"triangles_b", b->mesh.triangle_count()},
-                          {"rotation_error", read.rotation_error},
-                          {"a_to_b", json_of(ways[0])}};
-    if (!options.one_sided) {
-        json["b_to_a"] = json_of(ways[1]);
-        json["hausdorff"] = {hausdorff.lower, hausdorff.upper};
-    }
+    nlohmann::ordered_json json = {{"a", a->name},
+                                   {"b", b->name},
+                                   {"triangles_a", a->mesh.triangle_count()},
+                                   {"triangles_b", b->mesh.triangle_count()},
+                                   {"rotation_error", read.rotation_error}};
+    json.update(deviation_json(ways, hausdorff, options.places > 0));
     if (!histogram.shares.empty()) json["histogram_end"] = histogram.end;
     return session.write_json(json);
 }
@@ -352,6 +288,15 @@ Command add_deviation_command(CLI::App& app)
                   "(default: 1e-6 of the diagonal of the box about both)");
     add_tolerance("--mean-tolerance", options->mean_tolerance,
                   "The same of the mean (default: 1e-5 of the diagonal)");
+    parser
+        ->add_option("--places", options->places,
+                     "Name up to so many points that are as far as any, each way")
+        ->check(CLI::Range(0U, max_deviation_places))
+        ->capture_default_str()
+        ->type_name("N");
+    add_tolerance("--place-spacing", options->place_spacing,
+                  "How far such points are from each other at least (default: 0.01 of the "
+                  "diagonal)");
     parser->add_flag("--one-sided", options->one_sided, "From A to B alone");
     parser->add_flag("--no-mean", options->no_mean, "The greatest distances alone: much quicker");
     parser

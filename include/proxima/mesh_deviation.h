@@ -39,6 +39,15 @@ struct DistanceBounds {
     double upper = 0;
 };
 
+/// A point of A, the point of B closest to it, and their distance up to rounding.
+struct FarPlace {
+    double distance = 0;
+    Vec3 point_a = Vec3::Zero();
+    Vec3 point_b = Vec3::Zero();
+    TriangleId triangle_a = {};
+    TriangleId triangle_b = {};
+};
+
 struct GreatestDeviation {
     /// Bounds of the one-sided Hausdorff distance, the largest distance of a point of A from B. Both
     /// are 0 where all triangles of A are triangles of B.
@@ -49,6 +58,12 @@ struct GreatestDeviation {
     Vec3 point_b = Vec3::Zero();
     TriangleId triangle_a = {};
     TriangleId triangle_b = {};
+    /// With max_places: points of A whose distance is within the tolerance of the greatest, the
+    /// farthest first, no two within the spacing of each other. None where the distance is 0.
+    std::vector<FarPlace> places;
+    /// Whether every point of A whose distance is distance.lower or more is within three times the
+    /// spacing of one of the places. False where there are more places than max_places.
+    bool has_all_places = false;
     std::uint64_t splits = 0; ///< how often a triangle of A or a part of one was cut
     bool is_complete = false; ///< whether upper - lower is within the tolerance
 };
@@ -61,17 +76,24 @@ struct GreatestDeviationOptions {
     /// of the box about both meshes.
     double tolerance = 0;
     static constexpr double default_tolerance = 1e-6;
-    std::uint64_t max_splits = default_deviation_splits; ///< then it ends with the bounds so far
+    std::uint32_t max_places = 0; ///< max_deviation_places at most
+    /// In the meshes' unit. 0 = default_spacing times the diagonal of the box about both meshes.
+    double place_spacing = 0;
+    static constexpr double default_spacing = 0.01;
+    /// Then it ends with the bounds so far. The search for places has as many again.
+    std::uint64_t max_splits = default_deviation_splits;
     Execution execution = {};
 };
+
+inline constexpr std::uint32_t max_deviation_places = 256;
 
 /// The one-sided Hausdorff distance from A to B. The bounds are as near to each other as
 /// options.tolerance says, but not nearer than 2^-38 times the largest coordinate, and not where
 /// max_splits or the budget end the search: is_complete tells. Where several points are as far, one
-/// of them is named. The same bits for any number of threads. One closest feature per vertex of A,
-/// and some microseconds per triangle whose distance is about the largest. Thread safe. Errors:
-/// invalid_mesh (a mesh is empty), invalid_argument (a tolerance below 0 or NaN), budget_exceeded,
-/// cancelled.
+/// of them is named, and all with max_places. The same bits for any number of threads. One closest
+/// feature per vertex of A, and some ten microseconds per triangle whose distance is about the
+/// largest. Thread safe. Errors: invalid_mesh (a mesh is empty), invalid_argument (a tolerance or
+/// spacing below 0 or NaN, too many places), budget_exceeded, cancelled.
 [[nodiscard]] Result<GreatestDeviation>
 greatest_deviation(const MeshIndex& a, const MeshIndex& b,
                    const GreatestDeviationOptions& options = {});
@@ -81,6 +103,7 @@ struct MeanDeviation {
     DistanceBounds root_mean_square; ///< the root of the mean of squared distances
     /// Of A, in the square of the meshes' unit; infinite or 0 where that is beyond the doubles.
     double area = 0;
+    double area_error = 0; ///< by which the area may be off
     /// By bin, the share of A's area at distances in it: an estimate without bounds, the better the
     /// smaller the tolerance. What is beyond the end counts in the last bin.
     std::vector<double> histogram;
@@ -90,21 +113,21 @@ struct MeanDeviation {
 
 struct MeanDeviationOptions {
     /// How far the bounds of the mean may be apart, in the meshes' unit; those of the root mean
-    /// square are about as near. 0 = default_tolerance times the diagonal of the box about both.
+    /// square are about as near, too. 0 = default_tolerance times the diagonal of the box about both.
     double tolerance = 0;
     static constexpr double default_tolerance = 1e-5;
     /// Bins of equal widths from 0 to histogram_end; 0 = no histogram, max_histogram_bins at most.
     std::uint32_t histogram_bins = 0;
     double histogram_end = 0;
-    std::uint64_t max_splits = default_deviation_splits; ///< in equal shares of 64 or more to A's
-                                                         ///< triangles
+    /// In equal shares to groups of A's triangles: 64 or more for each triangle.
+    std::uint64_t max_splits = default_deviation_splits;
     Execution execution = {};
 };
 
 inline constexpr std::uint32_t max_histogram_bins = 4096;
 
-/// The mean distance of A's points from B, by area. The same bits for any number of threads. Some
-/// microseconds for each triangle of A and each of B that it is close to. Thread safe. Errors:
+/// The mean distance of A's points from B, by area. The same bits for any number of threads. About
+/// ten microseconds for each triangle of A and two for each of B that it is close to. Thread safe. Errors:
 /// invalid_mesh (a mesh is empty, or A has no area), invalid_argument (a tolerance below 0 or NaN,
 /// bins without an end or too many), budget_exceeded, cancelled.
 [[nodiscard]] Result<MeanDeviation> mean_deviation(const MeshIndex& a, const MeshIndex& b,
@@ -116,5 +139,21 @@ inline constexpr std::uint32_t max_histogram_bins = 4096;
 {
     return {std::max(there.lower, back.lower), std::max(there.upper, back.upper)};
 }
+
+/// Means over both surfaces together.
+struct TwoSidedMean {
+    /// Every point of A and of B counts, by area: the larger surface counts more.
+    DistanceBounds mean;
+    DistanceBounds root_mean_square;
+    /// The larger of both directions, as Metro [cignoni-1998] has it of the maximum: each surface
+    /// counts as much as the other.
+    DistanceBounds larger_mean;
+    DistanceBounds larger_root_mean_square;
+};
+
+/// The means over two surfaces from those of both directions. Where an area is beyond the doubles,
+/// the means by area are as wide as both directions. Thread safe.
+[[nodiscard]] TwoSidedMean both_ways(const MeanDeviation& there,
+                                     const MeanDeviation& back) noexcept;
 
 } // namespace proxima

@@ -25,7 +25,7 @@ class Measuring(ProgramTest):
         high = self.file("high.off", FLAT.format(0.5))
         result = self.json_of("deviation", low, high)
         self.assertEqual(list(result), ["a", "b", "triangles_a", "triangles_b", "rotation_error", "a_to_b", "b_to_a", "hausdorff",
-                                        "histogram_end"])
+                                        "both_ways", "histogram_end"])
         for way in ("a_to_b", "b_to_a"):
             self.assertEqual(list(result[way]), WAY + MEAN)
             self.assertTrue(result[way]["complete"])
@@ -34,6 +34,41 @@ class Measuring(ProgramTest):
             self.assertAlmostEqual(result[way]["area"], 4)
             self.assertAlmostEqual(sum(result[way]["histogram"]), 1)
         self.expect_in(0.5, result["hausdorff"], 1e-5)
+        self.assertEqual(list(result["both_ways"]), ["mean", "root_mean_square", "larger_mean", "larger_root_mean_square"])
+        for bounds in result["both_ways"].values():
+            self.expect_in(0.5, bounds, 1e-4)
+
+    def test_two_sided_means_count_areas(self):
+        # From the small square the distance is 0; from the large one, of four times the area, it is not.
+        small = self.file("small.off", FLAT.format(0))
+        large = self.file("large.off", "OFF\n4 2 0\n-2 -2 0\n2 -2 0\n2 2 0\n-2 2 0\n3 0 1 2\n3 0 2 3\n")
+        result = self.json_of("deviation", small, large)
+        back, both = result["b_to_a"], result["both_ways"]
+        for key in ("mean", "root_mean_square"):
+            self.assertEqual(both[f"larger_{key}"], back[key])
+            share = 0.8 if key == "mean" else math.sqrt(0.8)
+            self.expect_in(share * back[key][0], [both[key][0] - 1e-12, both[key][1]], 1e-3)
+            self.expect_in(share * back[key][1], [both[key][0], both[key][1] + 1e-12], 1e-3)
+        text = self.succeed("deviation", small, large)
+        self.assertIn("over both surfaces by area", text)
+        self.assertIn("larger of both ways", text)
+
+    def test_places(self):
+        # The four corners of the large square are as far from the small one.
+        small = self.file("small.off", FLAT.format(0))
+        large = self.file("large.off", "OFF\n4 2 0\n-2 -2 0\n2 -2 0\n2 2 0\n-2 2 0\n3 0 1 2\n3 0 2 3\n")
+        way = self.json_of("deviation", large, small, "--places", "9", "--one-sided", "--no-mean")["a_to_b"]
+        self.assertEqual(list(way), WAY + ["places", "all_places"])
+        self.assertTrue(way["all_places"])
+        self.assertEqual(sorted(tuple(place["point_a"]) for place in way["places"]), [(-2, -2, 0), (-2, 2, 0), (2, -2, 0), (2, 2, 0)])
+        for place in way["places"]:
+            self.assertAlmostEqual(place["distance"], math.sqrt(2))
+            self.assertAlmostEqual(math.dist(place["point_a"], place["point_b"]), math.sqrt(2))
+        few = self.json_of("deviation", large, small, "--places", "3", "--one-sided", "--no-mean")["a_to_b"]
+        self.assertEqual((len(few["places"]), few["all_places"]), (3, False))
+        near = self.json_of("deviation", large, small, "--places", "9", "--place-spacing", "6", "--one-sided", "--no-mean")["a_to_b"]
+        self.assertEqual((len(near["places"]), near["all_places"]), (1, True))
+        self.assertIn("there are more", self.succeed("deviation", large, small, "--places", "3", "--no-mean"))
 
     def test_a_pose_moves_b(self):
         low = self.file("low.off", FLAT.format(0))
@@ -84,6 +119,8 @@ class RefusingDeviation(ProgramTest):
         self.refuse("deviation", "cube", "cube", "--tolerance", "-1", status=2, says="--tolerance")
         self.refuse("deviation", "cube", "cube", "--tolerance", "nan", says="tolerance")
         self.refuse("deviation", "cube", "cube", "--bins", "0", status=2, says="--bins")
+        self.refuse("deviation", "cube", "cube", "--places", "257", status=2, says="--places")
+        self.refuse("deviation", "cube", "cube", "--place-spacing", "nan", says="spacing")
         self.refuse("deviation", "cube", "cube", "--out", self.folder / "a.obj", says=".ply")
         self.refuse("deviation", "cube", "cube", "--histogram", self.folder / "a.txt", says=".csv")
         self.refuse("deviation", "cube", "cube", "--pose", "1,2", says="pose")

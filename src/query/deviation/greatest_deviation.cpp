@@ -1,9 +1,12 @@
 #include "base/memory_budget.h"
 #include "base/parallel.h"
 #include "base/progress.h"
+#include "base/text.h"
 #include "proxima/mesh_deviation.h"
+#include "query/deviation/far_places.h"
+#include "query/deviation/measured_part.h"
+#include "query/deviation/near_pieces.h"
 #include "query/deviation/surface_pair.h"
-#include "query/deviation/surface_piece.h"
 
 #include <algorithm>
 #include <cmath>
@@ -51,18 +54,13 @@ struct SettledBound {
     }
 };
 
-/// What a few cuts of one piece gave.
-struct PieceOutcome {
+/// What a few cuts of one part gave.
+struct PartOutcome {
     FarthestPoint farthest;
     SettledBound settled;
-    std::vector<SurfacePiece> left;
+    std::vector<BoundedPart> left;
     std::uint64_t splits = 0;
 };
-
-bool is_lower(const SurfacePiece& one, const SurfacePiece& other) noexcept
-{
-    return one.upper() < other.upper();
-}
 
 class GreatestSearch {
 public:
@@ -82,24 +80,23 @@ public:
             // In order of their bounds: the first that is settled settles all after it.
             const std::size_t count = limited(std::min(batch, order_.size() - first));
             if (count == 0) break;
-            const std::size_t end = first + count;
-            search(end - first, [&](std::size_t i, PieceOutcome& outcome) {
-                search_triangle(order_[first + i], outcome);
+            search(count, [&](std::size_t i, NearPieces& pieces, PartOutcome& outcome) {
+                search_triangle(order_[first + i], pieces, outcome);
             });
             if (is_cancelled(progress)) return stopped();
-            advance_stage(progress, end - first);
-            first = end;
+            advance_stage(progress, count);
+            first += count;
             done_ = first;
             batch = std::min<std::size_t>(2 * batch, 4096);
         }
         while (!pending_.empty()) {
             const std::size_t count = limited(std::max<std::size_t>(4096, pending_.size() / 4));
             if (count == 0) break;
-            std::vector<SurfacePiece> pieces;
-            take_pending(count, pieces);
-            begin_stage(progress, "parts that may be farthest", pieces.size());
-            search(pieces.size(), [&](std::size_t i, PieceOutcome& outcome) {
-                search_piece(pieces[i], outcome);
+            std::vector<BoundedPart> parts;
+            take_pending(count, parts);
+            begin_stage(progress, "parts that may be farthest", parts.size());
+            search(parts.size(), [&](std::size_t i, NearPieces& pieces, PartOutcome& outcome) {
+                search_part(parts[i], pieces, outcome);
                 advance_stage(progress, 1);
             });
             if (is_cancelled(progress)) return stopped();
@@ -110,34 +107,74 @@ public:
     [[nodiscard]] GreatestDeviation answer() const
     {
         SettledBound all = settled_;
-        for (const SurfacePiece& piece : pending_) all.add(piece.upper(), piece.cuts());
+        for (const BoundedPart& some : pending_) all.add(some.upper, some.part.cuts);
         for (std::size_t i = done_; i < order_.size(); ++i) all.add(uppers_[order_[i]], 0);
         GreatestDeviation result;
-        const double measured = farthest_.nearest.distance;
+        const double measured = greatest();
         const double lower = std::max(measured - pair_.rounding(farthest_.cuts), 0.0);
         const double upper = std::max(all.upper, measured) + pair_.rounding(all.cuts);
         const bool is_zero = all.is_zero;
         if (!is_zero) result.distance = pair_.from_units(DistanceBounds{lower, upper});
-        result.point_a = pair_.from_units(farthest_.point);
-        result.point_b = pair_.from_units(
-            closest_point(pair_.b().triangle(farthest_.nearest.row), farthest_.point).point);
-        result.triangle_a = pair_.a().id(farthest_.row_a);
-        result.triangle_b = pair_.b().id(farthest_.nearest.row);
+        const FarPlace place = place_of({farthest_.point, farthest_.nearest, farthest_.row_a});
+        result.point_a = place.point_a;
+        result.point_b = place.point_b;
+        result.triangle_a = place.triangle_a;
+        result.triangle_b = place.triangle_b;
         result.splits = splits_;
         return result;
     }
 
+    /// All places that are as far, after run().
+    Status find_places(GreatestDeviation& result) const
+    {
+        if (result.distance.upper == 0) return {};
+        const double certain = greatest() - 2 * most_rounding(pair_);
+        std::vector<std::uint32_t> rows;
+        for (std::uint32_t row = 0; row < uppers_.size(); ++row)
+            if (uppers_[row] != 0 && uppers_[row] >= certain) rows.push_back(row);
+        const double spacing = options_.place_spacing > 0
+                                   ? pair_.to_units(options_.place_spacing)
+                                   : GreatestDeviationOptions::default_spacing * pair_.diagonal();
+        const auto found = far_points(
+            pair_, vertices_, rows, {farthest_.point, farthest_.nearest, farthest_.row_a},
+            {.enough = greatest() - tolerance_,
+             .certain = certain,
+             .spacing = spacing,
+             .most_points = options_.max_places,
+             .most_splits = std::max<std::uint64_t>(options_.max_splits / rows.size(), 64),
+             .tolerance = tolerance_},
+            options_.execution);
+        if (!found) return tl::unexpected(found.error());
+        for (const FarPoint& point : found->points) result.places.push_back(place_of(point));
+        result.has_all_places = found->are_all;
+        result.splits += found->splits;
+        return {};
+    }
+
 private:
-    static constexpr std::uint64_t most_local_splits = 64;
+    [[nodiscard]] double greatest() const noexcept { return farthest_.nearest.distance; }
+    [[nodiscard]] FarPlace place_of(const FarPoint& far) const
+    {
+        const std::uint32_t row_b = far.nearest.row;
+        return {.distance = pair_.from_units(far.nearest.distance),
+                .point_a = pair_.from_units(far.point),
+                .point_b =
+                    pair_.from_units(closest_point(pair_.b().triangle(row_b), far.point).point),
+                .triangle_a = pair_.a().id(far.row_a),
+                .triangle_b = pair_.b().id(row_b)};
+    }
+
+    static constexpr std::uint64_t most_local_splits = 1024;
+    static constexpr std::uint32_t most_cuts = 250;
 
     static double most_rounding(const SurfacePair& pair) noexcept
     {
-        return pair.rounding(SurfacePiece::most_cuts);
+        return pair.rounding(most_cuts);
     }
 
     static tl::unexpected<Error> stopped() { return cancelled("measuring the greatest deviation"); }
 
-    [[nodiscard]] double limit() const noexcept { return farthest_.nearest.distance + tolerance_; }
+    [[nodiscard]] double limit() const noexcept { return greatest() + tolerance_; }
 
     /// How many of so many pieces may be searched together, so that neither max_splits nor the memory
     /// is overrun, whatever each of them becomes; sets local_splits_. 0 where there is too little left.
@@ -145,15 +182,14 @@ private:
     {
         // Lists that grow take up to three times their size.
         const std::uint64_t all =
-            budget_bytes(options_.execution.budget) / (8 * sizeof(SurfacePiece));
+            budget_bytes(options_.execution.budget) / (8 * sizeof(BoundedPart));
         const std::uint64_t room = all > pending_.size() ? all - pending_.size() : 0;
         const std::uint64_t splits =
             options_.max_splits > splits_ ? options_.max_splits - splits_ : 0;
         if (room < std::max<std::uint64_t>(all / 16, 3) || splits == 0) return 0;
-        local_splits_ = std::min({most_local_splits, splits, (room - 1) / 2});
-        // A cut makes up to three pieces of one.
+        local_splits_ = std::min({most_local_splits, splits, room - 1});
         return std::min<std::uint64_t>(
-            {wanted, splits / local_splits_, room / (2 * local_splits_ + 1)});
+            {wanted, splits / local_splits_, room / (local_splits_ + 1)});
     }
 
     /// Bounds of all triangles by their vertices alone, and those that are not settled by their
@@ -172,17 +208,23 @@ private:
         if (is_cancelled(options_.execution.progress)) return;
         for (const FarthestPoint& some : farthest) farthest_.offer(some);
         uppers_.resize(count);
-        parallel_chunks(count, chunk, options_.execution.threads,
-                        [&](std::size_t first, std::size_t end) {
-                            if (is_cancelled(options_.execution.progress)) return;
-                            for (std::size_t i = first; i < end; ++i) {
-                                const SurfacePiece piece = triangle_piece(i);
-                                uppers_[i] = piece.is_of_b(pair_) ? 0 : raised(piece.upper());
-                            }
+        parallel_chunks(
+            count, chunk, options_.execution.threads, [&](std::size_t first, std::size_t end) {
+                if (is_cancelled(options_.execution.progress)) return;
+                for (std::size_t i = first; i < end; ++i) {
+                    const BoundedPart whole =
+                        bounded_triangle(pair_, vertices_, static_cast<std::uint32_t>(i));
+                    const bool is_of_b =
+                        whole.upper == 0 &&
+                        std::ranges::any_of(whole.part.nearest, [&](const NearestRow& nearest) {
+                            return is_row_of_b(pair_, whole.part.corners, nearest.row);
                         });
+                    uppers_[i] = is_of_b ? 0 : raised(whole.upper);
+                }
+            });
         for (std::uint32_t row = 0; row < count; ++row) {
             if (uppers_[row] == 0) continue;
-            if (uppers_[row] > limit() || farthest_.nearest.distance == 0) {
+            if (uppers_[row] > limit() || greatest() == 0) {
                 order_.push_back(row);
             } else {
                 settled_.add(uppers_[row], 0);
@@ -204,100 +246,139 @@ private:
     /// Never 0, which stands for a triangle of B.
     static double raised(double upper) noexcept { return std::max(upper, 1e-300); }
 
-    [[nodiscard]] SurfacePiece triangle_piece(std::size_t row) const
-    {
-        const auto row_a = static_cast<std::uint32_t>(row);
-        return {pair_, row_a, vertices_.of_row(pair_.a(), row_a)};
-    }
-
     template <class Search>
     void search(std::size_t count, const Search& search_one)
     {
-        std::vector<PieceOutcome> outcomes(count);
-        parallel_for(count, options_.execution.threads, [&](std::size_t i) {
-            if (!is_cancelled(options_.execution.progress)) search_one(i, outcomes[i]);
-        });
-        // In the order of the pieces, whatever thread was first.
-        for (PieceOutcome& outcome : outcomes) {
+        constexpr std::size_t chunk = 8;
+        std::vector<PartOutcome> outcomes(count);
+        // Neither the bytes of a search nor what it finds depend on the number of threads.
+        const std::uint64_t all = budget_bytes(options_.execution.budget) / 4;
+        const std::uint64_t bytes = std::min(all, NearPieces::most_bytes);
+        parallel_chunks(count, chunk, at_most(options_.execution.threads, all / bytes),
+                        [&](std::size_t first, std::size_t end) {
+                            NearPieces pieces(pair_, tolerance_, bytes);
+                            for (std::size_t i = first; i < end; ++i) {
+                                if (is_cancelled(options_.execution.progress)) return;
+                                search_one(i, pieces, outcomes[i]);
+                            }
+                        });
+        // In the order of the parts, whatever thread was first.
+        for (PartOutcome& outcome : outcomes) {
             farthest_.offer(outcome.farthest);
             settled_.add(outcome.settled);
             splits_ += outcome.splits;
         }
-        for (PieceOutcome& outcome : outcomes) {
-            for (SurfacePiece& piece : outcome.left) {
-                if (piece.upper() > limit()) {
-                    pending_.push_back(piece);
+        for (PartOutcome& outcome : outcomes) {
+            for (BoundedPart& some : outcome.left) {
+                if (some.upper > limit()) {
+                    pending_.push_back(some);
                 } else {
-                    settled_.add(piece.upper(), piece.cuts());
+                    settled_.add(some.upper, some.part.cuts);
                 }
             }
         }
     }
 
-    void search_triangle(std::uint32_t row, PieceOutcome& outcome) const
+    void search_triangle(std::uint32_t row, NearPieces& pieces, PartOutcome& outcome) const
     {
         const double upper = uppers_[row];
-        if (!(upper > limit() || farthest_.nearest.distance == 0)) {
+        if (!(upper > limit() || greatest() == 0)) {
             outcome.settled.add(upper, 0);
             return;
         }
-        SurfacePiece piece = triangle_piece(row);
-        const Vec3 centroid = piece.centroid();
-        const NearestRow nearest = pair_.nearest(centroid, piece.reach_of(centroid));
+        BoundedPart whole = bounded_triangle(pair_, vertices_, row);
+        const auto& [p, q, r] = whole.part.corners;
+        const Vec3 centroid = (p + q + r) / 3;
+        const NearestRow nearest = pair_.nearest(centroid, whole.part.reach(centroid));
+        if (is_row_of_b(pair_, whole.part.corners, nearest.row)) return;
         outcome.farthest.offer(nearest, centroid, row, 1);
-        piece.add_row(pair_, nearest.row);
-        if (!piece.is_of_b(pair_)) search_piece(piece, outcome);
+        whole.upper = std::min(whole.upper, upper_by(pair_, whole.part, nearest.row));
+        search_part(whole, pieces, outcome);
     }
 
-    /// A few cuts, always of the part with the largest bound.
-    void search_piece(const SurfacePiece& start, PieceOutcome& outcome) const
+    struct BoundedPiece {
+        NearPiece piece;
+        double upper = 0;
+    };
+
+    /// A few cuts, always of the piece with the largest bound.
+    void search_part(const BoundedPart& start, NearPieces& pieces, PartOutcome& outcome) const
     {
-        std::vector<SurfacePiece> heap = {start};
-        std::vector<SurfacePiece> parts;
         const auto most = [&] {
-            return std::max(farthest_.nearest.distance, outcome.farthest.nearest.distance) +
-                   tolerance_;
+            return std::max(greatest(), outcome.farthest.nearest.distance) + tolerance_;
         };
+        if (start.part.cuts >= most_cuts || !(start.upper > most())) {
+            outcome.settled.add(start.upper, start.part.cuts);
+            return;
+        }
+        NearPiece whole;
+        if (!pieces.start(start.part, whole)) {
+            halve(start, outcome);
+            return;
+        }
+        std::vector<BoundedPiece> heap = {{whole, std::min(pieces.upper(whole), start.upper)}};
         for (std::uint64_t splits = 0; !heap.empty(); ++splits) {
-            if (!(heap.front().upper() > most()) || splits == local_splits_) break;
-            std::ranges::pop_heap(heap, is_lower);
-            const SurfacePiece piece = heap.back();
+            if (!(heap.front().upper > most()) || splits == local_splits_ || pieces.is_full())
+                break;
+            std::ranges::pop_heap(heap, HasLowerBound());
+            const BoundedPiece highest = heap.back();
             heap.pop_back();
-            if (piece.cuts() >= SurfacePiece::most_cuts) {
-                outcome.settled.add(piece.upper(), piece.cuts());
+            if (highest.piece.cuts >= most_cuts) {
+                outcome.settled.add(highest.upper, highest.piece.cuts);
                 continue;
             }
-            parts.clear();
-            const SurfacePiece::Cut cut = piece.split(pair_, 0.25 * tolerance_, parts);
+            const auto [parts, corner] = pieces.split(highest.piece);
             ++outcome.splits;
-            outcome.farthest.offer(cut.nearest, cut.point, piece.row_a(), piece.cuts() + 1);
-            for (const SurfacePiece& part : parts) {
-                heap.push_back(part);
-                std::ranges::push_heap(heap, is_lower);
+            offer_corner(pieces.part(parts[0]), corner, start.row_a, outcome);
+            for (const NearPiece& piece : parts) {
+                heap.push_back({piece, std::min(pieces.upper(piece), highest.upper)});
+                std::ranges::push_heap(heap, HasLowerBound());
             }
         }
         outcome.left.reserve(heap.size());
-        for (const SurfacePiece& piece : heap) {
-            if (piece.upper() > most()) {
-                outcome.left.push_back(piece);
+        for (const auto& [piece, upper] : heap) {
+            if (upper > most()) {
+                outcome.left.push_back({pieces.part(piece), start.row_a, upper});
             } else {
-                outcome.settled.add(piece.upper(), piece.cuts());
+                outcome.settled.add(upper, piece.cuts);
             }
+        }
+    }
+
+    /// The corner that a cut made, where it may be farther than all before.
+    void offer_corner(const MeasuredPart& part, std::size_t corner, std::uint32_t row_a,
+                      PartOutcome& outcome) const
+    {
+        const double distance = part.nearest[corner].distance;
+        if (!(distance > std::max(greatest(), outcome.farthest.nearest.distance))) return;
+        const Vec3& point = part.corners[corner];
+        outcome.farthest.offer(pair_.nearest(point, distance), point, row_a, part.cuts);
+    }
+
+    void halve(const BoundedPart& start, PartOutcome& outcome) const
+    {
+        const MeasuredPart::Halves halves = start.part.halves(pair_);
+        ++outcome.splits;
+        outcome.farthest.offer(halves.nearest, halves.corner, start.row_a, start.part.cuts + 1);
+        for (const MeasuredPart& half : halves.parts) {
+            BoundedPart some = bounded_part(pair_, half, start.row_a);
+            some.upper = std::min(some.upper, start.upper);
+            outcome.left.push_back(some);
         }
     }
 
     /// Some of the largest bounds among all that is pending, and drops what is settled by now.
-    void take_pending(std::size_t most, std::vector<SurfacePiece>& pieces)
+    void take_pending(std::size_t most, std::vector<BoundedPart>& parts)
     {
-        std::erase_if(pending_, [&](const SurfacePiece& piece) {
-            if (piece.upper() > limit()) return false;
-            settled_.add(piece.upper(), piece.cuts());
+        std::erase_if(pending_, [&](const BoundedPart& some) {
+            if (some.upper > limit()) return false;
+            settled_.add(some.upper, some.part.cuts);
             return true;
         });
         const std::size_t count = std::min(most, pending_.size());
         const auto first = pending_.end() - static_cast<std::ptrdiff_t>(count);
-        if (first != pending_.end()) std::ranges::nth_element(pending_, first, is_lower);
-        pieces.assign(first, pending_.end());
+        if (first != pending_.end()) std::ranges::nth_element(pending_, first, HasLowerBound());
+        parts.assign(first, pending_.end());
         pending_.erase(first, pending_.end());
     }
 
@@ -310,20 +391,30 @@ private:
     std::vector<double> uppers_; ///< by row; 0 for triangles of B
     std::vector<std::uint32_t> order_;
     std::size_t done_ = 0; ///< of order_
-    std::vector<SurfacePiece> pending_;
+    std::vector<BoundedPart> pending_;
     std::uint64_t splits_ = 0;
     std::uint64_t local_splits_ = most_local_splits; ///< of one piece at a time
 };
+
+Status check_options(const GreatestDeviationOptions& options)
+{
+    const auto bad = [](std::string what, const char* where) {
+        return fail(ErrorCode::invalid_argument, std::move(what), where);
+    };
+    if (!(options.tolerance >= 0)) return bad("the tolerance is no number from 0 up", "tolerance");
+    if (!(options.place_spacing >= 0))
+        return bad("the spacing is no number from 0 up", "place_spacing");
+    if (options.max_places > max_deviation_places)
+        return bad(concat("more than ", max_deviation_places, " places"), "max_places");
+    return {};
+}
 
 } // namespace
 
 Result<GreatestDeviation> greatest_deviation(const MeshIndex& a, const MeshIndex& b,
                                              const GreatestDeviationOptions& options)
 {
-    if (!(options.tolerance >= 0)) {
-        return fail(ErrorCode::invalid_argument, "the tolerance is no number from 0 up",
-                    "tolerance");
-    }
+    if (Status status = check_options(options); !status) return tl::unexpected(status.error());
     const auto pair = SurfacePair::make(a, b, options.execution);
     if (!pair) return tl::unexpected(pair.error());
     const double tolerance = options.tolerance > 0
@@ -335,6 +426,8 @@ Result<GreatestDeviation> greatest_deviation(const MeshIndex& a, const MeshIndex
     if (Status status = search.run(); !status) return tl::unexpected(status.error());
     GreatestDeviation result = search.answer();
     result.is_complete = pair->to_units(result.distance.upper - result.distance.lower) <= tolerance;
+    if (options.max_places == 0) return result;
+    if (Status status = search.find_places(result); !status) return tl::unexpected(status.error());
     return result;
 }
 

@@ -1,187 +1,44 @@
+#include "base/memory_budget.h"
 #include "base/parallel.h"
 #include "base/progress.h"
 #include "base/text.h"
 #include "proxima/mesh_deviation.h"
-#include "query/deviation/mean_piece.h"
+#include "query/deviation/mean_search.h"
 #include "query/deviation/surface_pair.h"
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 namespace proxima {
 
 namespace {
 
-/// A sum of many numbers that is off by two roundings of itself [neumaier-1974].
-class LongSum {
-public:
-    void add(double value) noexcept
-    {
-        const double sum = sum_ + value;
-        rest_ += std::abs(sum_) >= std::abs(value) ? (sum_ - sum) + value : (value - sum) + sum_;
-        sum_ = sum;
-    }
-    [[nodiscard]] double value() const noexcept { return sum_ + rest_; }
-
-private:
-    double sum_ = 0;
-    double rest_ = 0;
-};
-
-/// Bins of equal widths; what is beyond counts in the last one.
-class AreaHistogram {
-public:
-    AreaHistogram(std::uint32_t bins, double end) : width_(end / bins), areas_(bins) {}
-
-    /// A triangle whose points' values are linear, with these at its corners.
-    void add(double area, std::array<double, 3> values)
-    {
-        if (areas_.empty()) return;
-        std::ranges::sort(values);
-        const std::size_t last = bin_of(values[2]);
-        double before = 0;
-        for (std::size_t bin = bin_of(values[0]); bin <= last; ++bin) {
-            const double below =
-                bin == last ? 1 : part_below(values, width_ * static_cast<double>(bin + 1));
-            areas_[bin] += area * (below - before);
-            before = below;
-        }
-    }
-    void add(const AreaHistogram& other)
-    {
-        for (std::size_t i = 0; i < areas_.size(); ++i) areas_[i] += other.areas_[i];
-    }
-    [[nodiscard]] std::vector<double> shares(double area) const
-    {
-        std::vector<double> result = areas_;
-        for (double& share : result) share /= area;
-        return result;
-    }
-
-private:
-    [[nodiscard]] std::size_t bin_of(double value) const
-    {
-        const double bin = value / width_;
-        const std::size_t last = areas_.size() - 1;
-        return bin < static_cast<double>(last) ? static_cast<std::size_t>(bin) : last;
-    }
-    /// The part of the triangle where the value is below a limit.
-    static double part_below(const std::array<double, 3>& values, double limit)
-    {
-        const auto [a, b, c] = values;
-        if (limit <= a) return 0;
-        if (limit >= c) return 1;
-        if (limit < b) return (limit - a) / (b - a) * ((limit - a) / (c - a));
-        return 1 - (c - limit) / (c - b) * ((c - limit) / (c - a));
-    }
-
-    double width_;
-    std::vector<double> areas_;
-};
-
-/// What some triangles of A add up to.
-struct MeanSums {
-    explicit MeanSums(const AreaHistogram& empty) : histogram(empty) {}
-
-    LongSum area;
-    LongSum area_error; ///< by which areas may be off
-    LongSum lower;
-    LongSum upper;
-    LongSum squares_lower;
-    LongSum squares_upper;
-    double farthest = 0;
-    std::uint64_t splits = 0;
-    std::uint32_t cuts = 0;
-    AreaHistogram histogram;
-};
-
-class MeanSearch {
-public:
-    MeanSearch(const SurfacePair& pair, const MeasuredVertices& vertices, double tolerance,
-               std::uint64_t splits_each, const Progress* progress)
-        : pair_(pair), progress_(progress), vertices_(vertices),
-          tolerance_(std::max(tolerance - 4 * pair.rounding(64), 4 * pair.rounding(64))),
-          splits_each_(splits_each), pieces_(pair, 0.25 * tolerance_)
-    {}
-
-    void add_triangle(std::uint32_t row, MeanSums& sums)
-    {
-        const Triangle triangle = pair_.a().triangle(row);
-        area_ = 0.5 * scaled_normal(triangle).norm();
-        double side = 0;
-        for (int i = 0; i < 3; ++i)
-            side = std::max(side, (triangle[(i + 1) % 3] - triangle[i]).squaredNorm());
-        sums.area.add(area_);
-        sums.area_error.add(0x1p-48 * side);
-        heap_.clear();
-        double doubt = 0;
-        const auto take = [&](const MeanPiece& piece) {
-            if (piece.mean_upper - piece.mean_lower <= 0.25 * tolerance_) {
-                settle(piece, sums);
-                return;
-            }
-            doubt += piece.doubt();
-            heap_.push_back(piece);
-            std::ranges::push_heap(heap_, has_less_doubt);
-        };
-        take(pieces_.whole(row, vertices_.of_row(pair_.a(), row)));
-        // What was settled is in doubt by a quarter of the tolerance.
-        for (std::uint64_t splits = 0; !heap_.empty() && doubt > 0.75 * tolerance_; ++splits) {
-            if (splits % 64 == 63 && is_cancelled(progress_)) return;
-            if (splits == splits_each_ || heap_.size() >= most_pieces || pieces_.is_full()) break;
-            std::ranges::pop_heap(heap_, has_less_doubt);
-            const MeanPiece piece = heap_.back();
-            heap_.pop_back();
-            doubt -= piece.doubt();
-            for (const MeanPiece& part : pieces_.split(piece)) take(part);
-            ++sums.splits;
-        }
-        for (const MeanPiece& piece : heap_) settle(piece, sums);
-    }
-
-private:
-    static constexpr std::size_t most_pieces = std::size_t{1} << 19U;
-
-    static bool has_less_doubt(const MeanPiece& one, const MeanPiece& other) noexcept
-    {
-        return one.doubt() < other.doubt();
-    }
-
-    void settle(const MeanPiece& piece, MeanSums& sums) const
-    {
-        const double area = area_ * piece.weight;
-        sums.lower.add(area * piece.mean_lower);
-        sums.upper.add(area * piece.mean_upper);
-        sums.squares_lower.add(area * piece.squares_lower);
-        sums.squares_upper.add(area * piece.squares_upper);
-        sums.farthest = std::max(sums.farthest, *std::ranges::max_element(piece.above));
-        sums.cuts = std::max(sums.cuts, piece.cuts);
-        sums.histogram.add(area, piece.above);
-    }
-
-    const SurfacePair& pair_;
-    const Progress* progress_;
-    const MeasuredVertices& vertices_;
-    double tolerance_;
-    std::uint64_t splits_each_;
-    MeanPieces pieces_;
-    std::vector<MeanPiece> heap_;
-    double area_ = 0;
-};
-
-void add_to(MeanSums& all, const MeanSums& some)
+/// About the root of the mean squared distance, from those of vertices and of some centroids.
+double guessed_root(const SurfacePair& pair, const MeasuredVertices& vertices)
 {
-    all.area.add(some.area.value());
-    all.area_error.add(some.area_error.value());
-    all.lower.add(some.lower.value());
-    all.upper.add(some.upper.value());
-    all.squares_lower.add(some.squares_lower.value());
-    all.squares_upper.add(some.squares_upper.value());
-    all.farthest = std::max(all.farthest, some.farthest);
-    all.splits += some.splits;
-    all.cuts = std::max(all.cuts, some.cuts);
-    all.histogram.add(some.histogram);
+    constexpr std::uint32_t most_samples = 2048;
+    const std::uint32_t count = pair.a().triangle_count();
+    const std::uint32_t step = count / most_samples + 1;
+    double areas = 0;
+    double squares = 0;
+    for (std::uint32_t row = 0; row < count; row += step) {
+        const Triangle triangle = pair.a().triangle(row);
+        const double area = scaled_normal(triangle).norm();
+        const Vec3 center = (triangle[0] + triangle[1] + triangle[2]) / 3;
+        double sum = 0;
+        double known = HUGE_VAL;
+        const auto nearest = vertices.of_row(pair.a(), row);
+        for (std::size_t k = 0; k < 3; ++k) {
+            sum += nearest[k].distance * nearest[k].distance;
+            known = std::min(known, nearest[k].distance + (triangle.vertices[k] - center).norm());
+        }
+        const double at_center = pair.nearest(center, known).distance;
+        areas += area;
+        squares += area * (0.75 * at_center * at_center + sum / 12);
+    }
+    return areas > 0 ? std::sqrt(squares / areas) : 0;
 }
 
 Status check_options(const MeanDeviationOptions& options)
@@ -205,6 +62,43 @@ DistanceBounds widened(double lower, double upper, double rounding)
     return {std::max(lower * (1 - of_sums) - rounding, 0.0), upper * (1 + of_sums) + rounding};
 }
 
+/// Both bounds, moved outward by more than a few roundings.
+DistanceBounds widened(const DistanceBounds& bounds)
+{
+    constexpr double rounding = 0x1p-48;
+    constexpr double least = std::numeric_limits<double>::denorm_min();
+    return {std::max(bounds.lower * (1 - rounding) - least, 0.0),
+            bounds.upper * (1 + rounding) + least};
+}
+
+/// Which part of two surfaces the first is.
+struct SurfaceShare {
+    double least = 0;
+    double most = 1;
+};
+
+SurfaceShare share_of(const MeanDeviation& there, const MeanDeviation& back)
+{
+    const auto share = [](double one, double other) { return one / (one + other); };
+    const double least =
+        share(std::max(there.area - there.area_error, 0.0), back.area + back.area_error);
+    const double most =
+        share(there.area + there.area_error, std::max(back.area - back.area_error, 0.0));
+    if (!(least >= 0 && most <= 1)) return {};
+    return {least, most};
+}
+
+/// Whatever the share is of the first, so of the rest the second.
+DistanceBounds mixed(const DistanceBounds& one, const DistanceBounds& other,
+                     const SurfaceShare& share)
+{
+    const auto mix = [](double a, double b, double part) { return part * a + (1 - part) * b; };
+    return {
+        std::min(mix(one.lower, other.lower, share.least), mix(one.lower, other.lower, share.most)),
+        std::max(mix(one.upper, other.upper, share.least),
+                 mix(one.upper, other.upper, share.most))};
+}
+
 } // namespace
 
 Result<MeanDeviation> mean_deviation(const MeshIndex& a, const MeshIndex& b,
@@ -222,23 +116,35 @@ Result<MeanDeviation> mean_deviation(const MeshIndex& a, const MeshIndex& b,
     const std::uint32_t count = pair->a().triangle_count();
     Progress* const progress = options.execution.progress;
     const AreaHistogram empty(options.histogram_bins, pair->to_units(options.histogram_end));
-    const std::uint64_t splits_each = std::max<std::uint64_t>(options.max_splits / count, 64);
+    const double guess = guessed_root(*pair, *vertices);
     // As many chunks as tell how to share the work, and no more: each has a histogram.
     const std::size_t chunk = std::max<std::size_t>(16, chunk_count(count, 1024));
+    const std::uint64_t splits_each =
+        std::max<std::uint64_t>(options.max_splits / count, 64) * chunk;
+    const std::uint64_t fixed =
+        pair->bytes() +
+        chunk_count(count, chunk) * (sizeof(MeanSums) + options.histogram_bins * sizeof(double));
+    if (Status status = check_budget(options.execution.budget, fixed + MeanSearch::least_bytes,
+                                     "measuring the mean deviation", "raise the budget");
+        !status)
+        return tl::unexpected(status.error());
+    // Neither the bytes of a search nor what it finds depend on the number of threads.
+    const std::uint64_t left = budget_bytes(options.execution.budget) - fixed;
+    const std::uint64_t bytes = std::min(left, MeanSearch::most_bytes);
+    const Threads threads = at_most(options.execution.threads, left / bytes);
     std::vector<MeanSums> parts(chunk_count(count, chunk), MeanSums(empty));
     begin_stage(progress, "mean deviation", count);
-    parallel_chunks(
-        count, chunk, options.execution.threads, [&](std::size_t first, std::size_t end) {
-            MeanSearch search(*pair, *vertices, tolerance, splits_each, progress);
-            for (std::size_t row = first; row < end; ++row) {
-                if (is_cancelled(progress)) return;
-                search.add_triangle(static_cast<std::uint32_t>(row), parts[first / chunk]);
-            }
-            advance_stage(progress, end - first);
-        });
+    parallel_chunks(count, chunk, threads, [&](std::size_t first, std::size_t end) {
+        MeanSearch search(*pair, *vertices, tolerance, guess, splits_each, bytes, progress);
+        for (std::size_t row = first; row < end; ++row) {
+            if (is_cancelled(progress)) return;
+            search.add_triangle(static_cast<std::uint32_t>(row), parts[first / chunk]);
+        }
+        advance_stage(progress, end - first);
+    });
     if (is_cancelled(progress)) return cancelled("measuring the mean deviation");
     MeanSums sums(empty);
-    for (const MeanSums& some : parts) add_to(sums, some);
+    for (const MeanSums& some : parts) sums.add(some);
 
     const double area = sums.area.value();
     if (!(area > 0)) {
@@ -261,9 +167,34 @@ Result<MeanDeviation> mean_deviation(const MeshIndex& a, const MeshIndex& b,
     result.mean = pair->from_units(mean);
     result.root_mean_square = pair->from_units(root);
     result.area = pair->area_from_units(area);
+    result.area_error = pair->area_from_units(sums.area_error.value() + 0x1p-44 * area);
     if (options.histogram_bins != 0) result.histogram = sums.histogram.shares(area);
     result.splits = sums.splits;
     result.is_complete = mean.upper - mean.lower <= tolerance;
+    return result;
+}
+
+TwoSidedMean both_ways(const MeanDeviation& there, const MeanDeviation& back) noexcept
+{
+    const SurfaceShare share = share_of(there, back);
+    const auto root_of = [](const DistanceBounds& squares) {
+        return DistanceBounds{std::sqrt(squares.lower), std::sqrt(squares.upper)};
+    };
+    const auto square = [](const DistanceBounds& root, double scale) {
+        const double lower = root.lower / scale;
+        const double upper = root.upper / scale;
+        return DistanceBounds{lower * lower, upper * upper};
+    };
+    TwoSidedMean result;
+    result.larger_mean = both_ways(there.mean, back.mean);
+    result.larger_root_mean_square = both_ways(there.root_mean_square, back.root_mean_square);
+    result.mean = widened(mixed(there.mean, back.mean, share));
+    const double most = result.larger_root_mean_square.upper;
+    if (!(most > 0)) return result;
+    // Scaled, so that squares stay within the doubles.
+    const DistanceBounds root = root_of(
+        mixed(square(there.root_mean_square, most), square(back.root_mean_square, most), share));
+    result.root_mean_square = widened({most * root.lower, most * root.upper});
     return result;
 }
 

@@ -68,16 +68,20 @@ Result<SurfacePair> SurfacePair::make(const MeshIndex& a, const MeshIndex& b,
                         "the mesh has no triangles: there is no distance from it or to it", name);
         }
     }
-    constexpr std::uint64_t each_vertex = sizeof(NearestRow) + sizeof(Vec3) + sizeof(char);
-    constexpr std::uint64_t each_triangle = sizeof(double) + sizeof(std::uint32_t);
-    if (Status status = check_budget(
-            execution.budget, each_vertex * a.vertex_count() + each_triangle * a.triangle_count(),
-            "measuring the deviation", "raise the budget or measure parts of the mesh");
+    if (Status status = check_budget(execution.budget, bytes_of(a), "measuring the deviation",
+                                     "raise the budget or measure parts of the mesh");
         !status)
         return tl::unexpected(status.error());
     SurfacePair pair(a, b);
     if (Status status = pair.scale(execution); !status) return tl::unexpected(status.error());
     return pair;
+}
+
+std::uint64_t SurfacePair::bytes_of(const MeshIndex& a) noexcept
+{
+    constexpr std::uint64_t each_vertex = sizeof(NearestRow) + sizeof(Vec3) + sizeof(char);
+    constexpr std::uint64_t each_triangle = sizeof(double) + sizeof(std::uint32_t);
+    return each_vertex * a.vertex_count() + each_triangle * a.triangle_count();
 }
 
 Status SurfacePair::scale(const Execution& execution)
@@ -145,6 +149,12 @@ NearestRow SurfacePair::nearest(const Vec3& p, double known) const noexcept
     if (!found.found() || !(found.squared <= scaled * scaled))
         found = find_closest(b(), p, std::numeric_limits<double>::infinity());
     return {std::sqrt(found.squared) * b().unscale(), found.rank};
+}
+
+Threads at_most(Threads threads, std::uint64_t most) noexcept
+{
+    const auto wanted = static_cast<std::uint64_t>(thread_count(threads));
+    return {static_cast<int>(std::clamp<std::uint64_t>(most, 1, wanted))};
 }
 
 std::array<NearestRow, 3> MeasuredVertices::of_row(const IndexParts& a,

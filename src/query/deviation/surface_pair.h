@@ -38,6 +38,9 @@ public:
     [[nodiscard]] static Result<SurfacePair> make(const MeshIndex& a, const MeshIndex& b,
                                                   const Execution& execution);
 
+    /// What measuring the vertices of A and bounding its triangles takes.
+    [[nodiscard]] std::uint64_t bytes() const noexcept { return bytes_of(a_); }
+
     [[nodiscard]] const IndexParts& a() const noexcept { return a_.parts(); }
     [[nodiscard]] const IndexParts& b() const noexcept { return b_.parts(); }
     /// Of the box about both, in units.
@@ -74,6 +77,7 @@ public:
 
 private:
     SurfacePair(const MeshIndex& a, const MeshIndex& b) noexcept : a_(a), b_(b) {}
+    static std::uint64_t bytes_of(const MeshIndex& a) noexcept;
     void measure() noexcept;
     [[nodiscard]] Status scale(const Execution& execution);
 
@@ -84,6 +88,9 @@ private:
     double diagonal_ = 0;
     double reach_ = 0; ///< the largest coordinate
 };
+
+/// So many threads, or `most` if that is less, but at least one.
+[[nodiscard]] Threads at_most(Threads threads, std::uint64_t most) noexcept;
 
 /// A's vertices by id, with what of B is closest to each.
 struct MeasuredVertices {

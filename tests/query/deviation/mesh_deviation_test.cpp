@@ -5,6 +5,7 @@
 #include "index/test_meshes.h"
 #include "proxima/mesh_index.h"
 #include "proxima/sample_meshes.h"
+#include "query/deviation/sampled_deviation.h"
 
 #include <algorithm>
 #include <cmath>
@@ -33,65 +34,6 @@ MeanDeviation mean_of(const TriangleMesh& a, const TriangleMesh& b,
                       const MeanDeviationOptions& options = {})
 {
     return mean_deviation(index_of(a), index_of(b), options).value();
-}
-
-/// The distance of a point from all triangles, one after the other.
-double distance_from(const TriangleMesh& mesh, const Vec3& p)
-{
-    double least = HUGE_VAL;
-    for (std::uint32_t i = 0; i < mesh.triangle_count(); ++i)
-        least = std::min(least, (closest_point(mesh.triangle(TriangleId{i}), p).point - p).norm());
-    return least;
-}
-
-/// What samples say for sure: a distance grows by no more than the way from a sample.
-struct SampledBounds {
-    DistanceBounds greatest;
-    DistanceBounds mean;
-    DistanceBounds square;
-    double area = 0;
-};
-
-SampledBounds sampled(const TriangleMesh& a, const TriangleMesh& b, int cuts)
-{
-    SampledBounds bounds;
-    const auto look_at = [&](const Vec3& p, const Vec3& q, const Vec3& r) {
-        const Vec3 middle = (p + q + r) / 3;
-        const double reach =
-            std::max({(p - middle).norm(), (q - middle).norm(), (r - middle).norm()});
-        const double distance = distance_from(b, middle);
-        const double area = 0.5 * (q - p).cross(r - p).norm();
-        const double least = std::max(distance - reach, 0.0);
-        const double most = distance + reach;
-        bounds.greatest.lower = std::max(bounds.greatest.lower, distance);
-        bounds.greatest.upper = std::max(bounds.greatest.upper, most);
-        bounds.area += area;
-        bounds.mean.lower += area * least;
-        bounds.mean.upper += area * most;
-        bounds.square.lower += area * least * least;
-        bounds.square.upper += area * most * most;
-    };
-    for (std::uint32_t i = 0; i < a.triangle_count(); ++i) {
-        const Triangle triangle = a.triangle(TriangleId{i});
-        const Vec3 u = (triangle[1] - triangle[0]) / cuts;
-        const Vec3 w = (triangle[2] - triangle[0]) / cuts;
-        for (int j = 0; j < cuts; ++j) {
-            for (int k = 0; j + k < cuts; ++k) {
-                const Vec3 p = triangle[0] + j * u + k * w;
-                look_at(p, p + u, p + w);
-                if (j + k + 1 < cuts) look_at(p + u, p + u + w, p + w);
-            }
-        }
-    }
-    return bounds;
-}
-
-double size_of(const TriangleMesh& a, const TriangleMesh& b)
-{
-    Box box = bounding_box(a);
-    box.extend(bounding_box(b).lower);
-    box.extend(bounding_box(b).upper);
-    return box.extent().norm() + box.lower.cwiseAbs().maxCoeff() + box.upper.cwiseAbs().maxCoeff();
 }
 
 void expect_meets(const DistanceBounds& bounds, double lower, double upper, double slack)
@@ -219,6 +161,43 @@ TEST(MeshDeviation, HoldsWhatSamplesProveOnBrokenMeshes)
                   4);
 }
 
+TEST(MeshDeviation, HoldsWhatIsCloseToCornersAlone)
+{
+    // From the middle to the corners the distance grows, and there something else is closer, which is farther
+    // from the middle than the corners are.
+    const std::array<Vec3, 3> corners = {Vec3(2, 0, 0), Vec3(-1, 1.75, 0), Vec3(-1, -1.75, 0)};
+    std::vector<Vec3> positions;
+    std::vector<TriangleCorners> triangles;
+    for (const Vec3& place :
+         {Vec3(0, 0, 0), Vec3(1.3 * corners[0]), Vec3(1.3 * corners[1]), Vec3(1.3 * corners[2])}) {
+        const auto first = static_cast<std::uint32_t>(positions.size());
+        for (const Vec3& corner : corners) positions.emplace_back(place + 0.01 * corner);
+        triangles.push_back({first, first + 1, first + 2});
+    }
+    expect_bounds(mesh_of({corners.begin(), corners.end()}, {{0, 1, 2}}),
+                  mesh_of(std::move(positions), std::move(triangles)), 100);
+}
+
+TEST(MeshDeviation, HeedsTrianglesThatAreHardlyCloser)
+{
+    // Two planes that cross below a square, with slopes +e and -e: the distance is (1 - e |x|) / sqrt(1 + e^2).
+    for (const double e : {1e-7, 1e-6, 1.5e-6, 1e-5, 1e-3}) {
+        SCOPED_TRACE(e);
+        const auto sloped = [](double slope) {
+            return moved(sheet(1, 9, 0),
+                         [&](const Vec3& p) { return Vec3(p.x(), p.y(), slope * p.x() - 1); });
+        };
+        const MeanDeviation mean =
+            mean_of(sheet(1, 1, 0), joined(sloped(e), sloped(-e)), {.tolerance = 1e-3});
+        const double truth = (1 - 0.5 * e) / std::sqrt(1 + e * e);
+        EXPECT_LE(mean.mean.lower, truth);
+        EXPECT_GE(mean.mean.upper, truth);
+        const double root = std::sqrt((1 - e + e * e / 3) / (1 + e * e));
+        EXPECT_LE(mean.root_mean_square.lower, root);
+        EXPECT_GE(mean.root_mean_square.upper, root);
+    }
+}
+
 TEST(MeshDeviation, IsZeroForTheSameTriangles)
 {
     for (const TriangleMesh& mesh : {sample_mesh("icosphere:3").value(), fans(), sliver_strip()}) {
@@ -273,7 +252,7 @@ TEST(MeshDeviation, HasTheMeansOfARamp)
     const TriangleMesh ramp =
         moved(sheet(3, 1, 0), [](const Vec3& p) { return Vec3(p.x(), p.y(), p.x()); });
     const MeanDeviation mean =
-        mean_of(ramp, sheet(1, 9, 0), {.histogram_bins = 4, .histogram_end = 1});
+        mean_of(ramp, sheet(1, 9, 0), {.tolerance = 1e-4, .histogram_bins = 4, .histogram_end = 1});
     EXPECT_TRUE(mean.is_complete);
     EXPECT_LE(mean.mean.lower, 0.5);
     EXPECT_GE(mean.mean.upper, 0.5);
@@ -372,9 +351,10 @@ TEST(MeshDeviation, IsHonestWhereItEndsEarly)
     EXPECT_LE(part.distance.lower, whole.distance.upper);
     EXPECT_GE(part.distance.upper, whole.distance.lower);
     EXPECT_GT(part.distance.upper - part.distance.lower, 1e-9);
-    const MeanDeviation mean = mean_of(a, b, {.tolerance = 1e-5});
+    const MeanDeviation mean = mean_of(a, b, {.tolerance = 1e-7});
     EXPECT_TRUE(mean.is_complete);
-    const MeanDeviation early = mean_of(a, b, {.tolerance = 1e-5, .max_splits = 1});
+    EXPECT_GT(mean.splits, 64U * a.triangle_count());
+    const MeanDeviation early = mean_of(a, b, {.tolerance = 1e-7, .max_splits = 1});
     EXPECT_FALSE(early.is_complete);
     EXPECT_LE(early.mean.lower, mean.mean.upper);
     EXPECT_GE(early.mean.upper, mean.mean.lower);
@@ -452,13 +432,42 @@ TEST(MeshDeviation, NeverCutsMoreThanItMay)
     EXPECT_GE(small.upper, whole.distance.lower);
 }
 
+TEST(MeshDeviation, MeansStayWithinTheirBudget)
+{
+    // One large triangle near many small ones wants most memory: here it has to start parts anew.
+    const TriangleMesh one =
+        mesh_of({Vec3(-2, -2, 0.9), Vec3(2, -2, 1), Vec3(0, 3, 1.1)}, {{0, 1, 2}});
+    const MeshIndex a = index_of(one);
+    const MeshIndex b = index_of(sample_mesh("icosphere:4").value());
+    const MeanDeviation whole = mean_deviation(a, b, {.tolerance = 1e-4}).value();
+    EXPECT_TRUE(whole.is_complete);
+    const auto within = [&](std::uint64_t bytes, int threads) {
+        return mean_deviation(
+            a, b,
+            {.tolerance = 1e-4, .execution = {.threads = {threads}, .budget = {.bytes = bytes}}});
+    };
+    const MeanDeviation small = within(1'100'000, 1).value();
+    EXPECT_LE(small.mean.lower, whole.mean.upper);
+    EXPECT_GE(small.mean.upper, whole.mean.lower);
+    for (const int threads : {2, 5}) {
+        const MeanDeviation again = within(1'100'000, threads).value();
+        EXPECT_EQ(again.mean.lower, small.mean.lower);
+        EXPECT_EQ(again.mean.upper, small.mean.upper);
+        EXPECT_EQ(again.splits, small.splits);
+    }
+    const auto too_small = within(900'000, 1);
+    ASSERT_FALSE(too_small);
+    EXPECT_EQ(too_small.error().code, ErrorCode::budget_exceeded);
+}
+
 TEST(MeshDeviation, CanBeCancelledAndRefusesBadArguments)
 {
     const MeshIndex a = index_of(sample_mesh("icosphere:2").value());
     const MeshIndex b = index_of(sample_mesh("icosphere:3").value());
     cancel_at_every_stage(
         [&](Progress& progress) {
-            return greatest_deviation(a, b, {.execution = {.progress = &progress}});
+            return greatest_deviation(a, b,
+                                      {.max_places = 9, .execution = {.progress = &progress}});
         },
         [] { return true; });
     cancel_at_every_stage(
@@ -474,6 +483,9 @@ TEST(MeshDeviation, CanBeCancelledAndRefusesBadArguments)
     EXPECT_EQ(code_of(mean_deviation(MeshIndex(), b)), "a");
     EXPECT_EQ(code_of(greatest_deviation(a, b, {.tolerance = -1})), "tolerance");
     EXPECT_EQ(code_of(greatest_deviation(a, b, {.tolerance = NAN})), "tolerance");
+    EXPECT_EQ(code_of(greatest_deviation(a, b, {.max_places = 257})), "max_places");
+    EXPECT_EQ(code_of(greatest_deviation(a, b, {.max_places = 1, .place_spacing = -1})),
+              "place_spacing");
     EXPECT_EQ(code_of(mean_deviation(a, b, {.tolerance = NAN})), "tolerance");
     EXPECT_EQ(code_of(mean_deviation(a, b, {.histogram_bins = 3})), "histogram_end");
     EXPECT_EQ(code_of(mean_deviation(a, b, {.histogram_bins = 5000, .histogram_end = 1})),

@@ -1,0 +1,213 @@
+// Places that are as far as any, and means of both directions.
+#include "index/test_meshes.h"
+#include "proxima/mesh_deviation.h"
+#include "proxima/sample_meshes.h"
+#include "query/deviation/sampled_deviation.h"
+
+#include <algorithm>
+#include <cmath>
+#include <gtest/gtest.h>
+#include <string>
+#include <vector>
+
+namespace proxima {
+namespace {
+
+using namespace testing;
+
+MeshIndex index_of(const TriangleMesh& mesh)
+{
+    return build_mesh_index(mesh).value();
+}
+
+GreatestDeviation places_of(const TriangleMesh& a, const TriangleMesh& b,
+                            const GreatestDeviationOptions& options)
+{
+    return greatest_deviation(index_of(a), index_of(b), options).value();
+}
+
+double nearest_place(const GreatestDeviation& found, const Vec3& p)
+{
+    double least = HUGE_VAL;
+    for (const FarPlace& place : found.places) least = std::min(least, (place.point_a - p).norm());
+    return least;
+}
+
+/// Places are far, apart and, with samples, near all that is far.
+void expect_places(const TriangleMesh& a, const TriangleMesh& b, double tolerance, double spacing,
+                   int cuts)
+{
+    const GreatestDeviation found =
+        places_of(a, b, {.tolerance = tolerance, .max_places = 256, .place_spacing = spacing});
+    ASSERT_FALSE(found.places.empty());
+    EXPECT_TRUE(found.is_complete);
+    EXPECT_TRUE(found.has_all_places);
+    constexpr double slack = 1e-12;
+    EXPECT_EQ(found.places[0].point_a, found.point_a);
+    for (std::size_t i = 0; i < found.places.size(); ++i) {
+        const FarPlace& place = found.places[i];
+        EXPECT_NEAR(distance_from(b, place.point_a), place.distance, slack);
+        EXPECT_NEAR((place.point_a - place.point_b).norm(), place.distance, slack);
+        EXPECT_GE(place.distance, found.distance.lower - tolerance - slack);
+        EXPECT_LE(place.distance, found.distance.upper);
+        EXPECT_LE((closest_point(a.triangle(place.triangle_a), place.point_a).point - place.point_a)
+                      .norm(),
+                  slack);
+        for (std::size_t j = 0; j < i; ++j) {
+            EXPECT_GT((place.point_a - found.places[j].point_a).norm(), spacing - slack);
+            EXPECT_LE(place.distance, found.places[j].distance);
+        }
+    }
+    std::size_t as_far = 0;
+    visit_samples(a, cuts, [&](const Vec3& p) {
+        if (!(distance_from(b, p) >= found.distance.lower)) return;
+        ++as_far;
+        EXPECT_LE(nearest_place(found, p), 3 * spacing + slack) << p.transpose();
+    });
+    ::testing::Test::RecordProperty("samples_as_far", static_cast<int>(as_far));
+}
+
+TEST(FarPlaces, AreAllCornersOfACube)
+{
+    const TriangleMesh inner = cube_mesh(Vec3::Zero(), 1);
+    const TriangleMesh outer = cube_mesh(Vec3::Zero(), 1.5);
+    const GreatestDeviation found =
+        places_of(outer, inner, {.max_places = 100, .place_spacing = 0.1});
+    EXPECT_TRUE(found.has_all_places);
+    ASSERT_EQ(found.places.size(), 8U);
+    for (const FarPlace& place : found.places) {
+        EXPECT_EQ(place.point_a.cwiseAbs(), Vec3(1.5, 1.5, 1.5));
+        EXPECT_NEAR(place.distance, 0.5 * std::sqrt(3.0), 1e-15);
+        EXPECT_NEAR((place.point_b - place.point_a / 1.5).norm(), 0, 1e-15);
+    }
+    // Not more than was asked for, and it says so.
+    const GreatestDeviation few = places_of(outer, inner, {.max_places = 3});
+    EXPECT_EQ(few.places.size(), 3U);
+    EXPECT_FALSE(few.has_all_places);
+    EXPECT_TRUE(places_of(outer, inner, {}).places.empty());
+    EXPECT_TRUE(places_of(outer, outer, {.max_places = 3}).places.empty());
+}
+
+TEST(FarPlaces, AreInTheInsideOfTriangles)
+{
+    const TriangleMesh floor =
+        mesh_of({Vec3(-9, -9, 0), Vec3(9, -9, 0), Vec3(0, 9, 0)}, {{0, 1, 2}});
+    const TriangleMesh walls = mesh_of({Vec3(-1, -9, -9), Vec3(-1, 9, -9), Vec3(-1, 0, 9),
+                                        Vec3(1, -9, -9), Vec3(1, 9, -9), Vec3(1, 0, 9)},
+                                       {{0, 1, 2}, {3, 4, 5}});
+    // Between two walls all points of the middle line are as far.
+    const TriangleMesh between =
+        mesh_of({Vec3(-0.9, 0, 0), Vec3(0.7, 0.1, 0), Vec3(0.8, -0.2, 0.3)}, {{0, 1, 2}});
+    expect_places(between, walls, 1e-6, 0.02, 300);
+    expect_places(floor, walls, 1e-4, 0.5, 60);
+}
+
+TEST(FarPlaces, AreAllThatSamplesFind)
+{
+    // A ring of places, and surfaces that are about as far everywhere.
+    const TriangleMesh torus = sample_mesh("torus:24x12").value();
+    expect_places(moved(torus, [](const Vec3& p) { return Vec3(1.25 * p); }), torus, 1e-3, 0.2, 4);
+    expect_places(sphere_mesh(Vec3::Zero(), 1.1, 8, 12), sphere_mesh(Vec3::Zero(), 1, 8, 12), 1e-2,
+                  0.3, 6);
+    for (std::uint32_t seed = 1; seed <= 12; ++seed) {
+        SCOPED_TRACE("seed " + std::to_string(seed));
+        expect_places(grid_mesh(seed), grid_mesh(seed + 50), 0.05, 0.5, 10);
+        if (HasFatalFailure()) return;
+    }
+}
+
+TEST(FarPlaces, HaveTheSameBitsForAnyNumberOfThreads)
+{
+    const MeshIndex a = index_of(sample_mesh("torus:60x30").value());
+    const MeshIndex b = index_of(
+        moved(sample_mesh("torus:50x31").value(), [](const Vec3& p) { return Vec3(1.01 * p); }));
+    const auto found = [&](int threads) {
+        return greatest_deviation(
+                   a, b,
+                   {.tolerance = 1e-3, .max_places = 256, .execution = {.threads = {threads}}})
+            .value();
+    };
+    const GreatestDeviation one = found(1);
+    EXPECT_GT(one.places.size(), 10U);
+    for (const int threads : {2, 5}) {
+        const GreatestDeviation many = found(threads);
+        ASSERT_EQ(one.places.size(), many.places.size());
+        EXPECT_EQ(one.has_all_places, many.has_all_places);
+        EXPECT_EQ(one.splits, many.splits);
+        for (std::size_t i = 0; i < one.places.size(); ++i) {
+            EXPECT_EQ(one.places[i].point_a, many.places[i].point_a);
+            EXPECT_EQ(one.places[i].point_b, many.places[i].point_b);
+            EXPECT_EQ(one.places[i].distance, many.places[i].distance);
+        }
+    }
+}
+
+TEST(TwoSidedMean, CountsBothSurfacesByArea)
+{
+    // Bounds of each way by samples, added up by area, meet those of both.
+    int compared = 0;
+    for (std::uint32_t seed = 1; seed <= 10; ++seed) {
+        SCOPED_TRACE("seed " + std::to_string(seed));
+        const TriangleMesh a = grid_mesh(seed);
+        const TriangleMesh b = grid_mesh(seed + 100);
+        const auto there_or_not = mean_deviation(index_of(a), index_of(b));
+        const auto back_or_not = mean_deviation(index_of(b), index_of(a));
+        if (!there_or_not || !back_or_not) continue; // a mesh without area
+        ++compared;
+        const MeanDeviation& there = *there_or_not;
+        const MeanDeviation& back = *back_or_not;
+        const TwoSidedMean both = both_ways(there, back);
+        const SampledBounds one = sampled(a, b, 12);
+        const SampledBounds other = sampled(b, a, 12);
+        const double area = one.area + other.area;
+        EXPECT_LE(both.mean.lower, (one.mean.upper + other.mean.upper) / area);
+        EXPECT_GE(both.mean.upper, (one.mean.lower + other.mean.lower) / area);
+        EXPECT_LE(both.root_mean_square.lower,
+                  std::sqrt((one.square.upper + other.square.upper) / area));
+        EXPECT_GE(both.root_mean_square.upper,
+                  std::sqrt((one.square.lower + other.square.lower) / area));
+        EXPECT_LT(both.mean.upper - both.mean.lower, 1e-4 * size_of(a, b));
+        EXPECT_EQ(both.larger_mean.lower, std::max(there.mean.lower, back.mean.lower));
+        EXPECT_EQ(both.larger_mean.upper, std::max(there.mean.upper, back.mean.upper));
+        EXPECT_EQ(both.larger_root_mean_square.upper,
+                  std::max(there.root_mean_square.upper, back.root_mean_square.upper));
+        // The other way round it is the same.
+        EXPECT_NEAR(both_ways(back, there).mean.lower, both.mean.lower, 1e-14 * size_of(a, b));
+    }
+    EXPECT_GE(compared, 5);
+}
+
+TEST(TwoSidedMean, IsHonestWhereAreasAreNot)
+{
+    const auto one_way = [](double distance, double area, double error) {
+        return MeanDeviation{.mean = {distance, distance},
+                             .root_mean_square = {distance, distance},
+                             .area = area,
+                             .area_error = error,
+                             .histogram = {}};
+    };
+    const TwoSidedMean sure = both_ways(one_way(1, 1, 0), one_way(4, 2, 0));
+    EXPECT_LE(sure.mean.lower, 3);
+    EXPECT_GE(sure.mean.upper, 3);
+    EXPECT_NEAR(sure.mean.lower, sure.mean.upper, 1e-12);
+    EXPECT_LE(sure.root_mean_square.lower, std::sqrt(11.0));
+    EXPECT_GE(sure.root_mean_square.upper, std::sqrt(11.0));
+    EXPECT_NEAR(sure.root_mean_square.lower, sure.root_mean_square.upper, 1e-12);
+    // From a third to a half of both.
+    const TwoSidedMean doubtful = both_ways(one_way(1, 1, 0.2), one_way(4, 1.8, 0.6));
+    EXPECT_LE(doubtful.mean.lower, 2.5);
+    EXPECT_GE(doubtful.mean.upper, 3);
+    for (const double area : {0.0, HUGE_VAL}) {
+        const TwoSidedMean unknown = both_ways(one_way(1, area, 0), one_way(4, area, 0));
+        EXPECT_LE(unknown.mean.lower, 1);
+        EXPECT_GE(unknown.mean.upper, 4);
+    }
+    const TwoSidedMean huge = both_ways(one_way(1e300, 1, 0), one_way(3e300, 1, 0));
+    EXPECT_NEAR(huge.root_mean_square.upper, std::sqrt(5.0) * 1e300, 1e290);
+    const TwoSidedMean none = both_ways(one_way(0, 1, 0), one_way(0, 1, 0));
+    EXPECT_LT(none.mean.upper, 1e-300);
+    EXPECT_EQ(none.root_mean_square.upper, 0);
+}
+
+} // namespace
+} // namespace proxima
