@@ -79,22 +79,40 @@ endfunction()
 # Sources that Highway compiles once for every instruction set: each is a unit of its own in whole builds
 # that join sources (CMAKE_UNITY_BUILD). On x86 these are AVX-512, AVX2, SSE4 and no lanes, which is what the few
 # processors with SSSE3 and without SSE4 get, too. On Arm it is NEON: lanes of SVE cannot lie in arrays, as kernels keep theirs.
+# What comes after UP_TO_AVX2 gains next to nothing from AVX-512 and goes without.
 function(proxima_own_units)
+  cmake_parse_arguments(ARG "" "" "UP_TO_AVX2" ${ARGN})
   set(unused HWY_SSSE3)
   if(CMAKE_SYSTEM_PROCESSOR STREQUAL "aarch64")
     set(unused "(HWY_SVE|HWY_SVE2|HWY_SVE_256|HWY_SVE2_128)")
   endif()
-  set_source_files_properties(${ARGN} PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON
+  set_source_files_properties(${ARG_UNPARSED_ARGUMENTS} ${ARG_UP_TO_AVX2} PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON
     COMPILE_DEFINITIONS "HWY_DISABLED_TARGETS=${unused}")
+  if(ARG_UP_TO_AVX2)
+    set_source_files_properties(${ARG_UP_TO_AVX2} PROPERTIES COMPILE_DEFINITIONS "HWY_DISABLED_TARGETS=(${unused}|HWY_AVX3)")
+  endif()
 endfunction()
 
-# proxima_add_layer(NAME PUBLIC_HEADERS ... HEADERS ... SOURCES ... LINK ... PRIVATE_LINK ...)
+# proxima_add_layer(NAME PUBLIC_HEADERS ... HEADERS ... SOURCES ... SMALL_SOURCES ... LINK ... PRIVATE_LINK ...)
 # One static library per layer: target proxima_NAME, proxima::NAME for users of static libraries. Public headers lie
-# in include/proxima and are installed; the others are for the project itself.
+# in include/proxima and are installed; the others are for the project itself. Small sources are compiled for size: what
+# runs once per file, mesh or session, such as readers, checks and reports. No query may be among them.
 function(proxima_add_layer name)
-  cmake_parse_arguments(ARG "" "" "PUBLIC_HEADERS;HEADERS;SOURCES;LINK;PRIVATE_LINK" ${ARGN})
+  cmake_parse_arguments(ARG "" "" "PUBLIC_HEADERS;HEADERS;SOURCES;SMALL_SOURCES;LINK;PRIVATE_LINK" ${ARGN})
   set(target proxima_${name})
   add_library(${target} STATIC ${ARG_SOURCES})
+  if(ARG_SMALL_SOURCES)
+    add_library(${target}_small OBJECT ${ARG_SMALL_SOURCES})
+    # Without precompiled headers, from which g++ would take the level of optimisation. Where it inlines little, g++ 12
+    # warns of members that a constructor sets.
+    target_compile_options(${target}_small PRIVATE $<$<CONFIG:Release>:-Os>
+      $<$<CXX_COMPILER_ID:GNU>:-Wno-maybe-uninitialized>)
+    target_compile_features(${target}_small PRIVATE cxx_std_20)
+    target_include_directories(${target}_small PRIVATE ${PROJECT_SOURCE_DIR}/src ${PROJECT_SOURCE_DIR}/include)
+    target_link_libraries(${target}_small PRIVATE ${ARG_LINK} ${ARG_PRIVATE_LINK} proxima_developer_options)
+    proxima_fit_for_shared_libraries(${target}_small)
+    target_sources(${target} PRIVATE $<TARGET_OBJECTS:${target}_small>)
+  endif()
   add_library(proxima::${name} ALIAS ${target})
   list(TRANSFORM ARG_PUBLIC_HEADERS PREPEND ${PROJECT_SOURCE_DIR}/include/proxima/)
   target_sources(${target} PUBLIC FILE_SET HEADERS

@@ -13,17 +13,21 @@ Ids of triangles, vertices and edges are int32, -1 for none. Lengths are in the 
 float64 in any memory order. Answers are the same for every number of threads and every instruction set.
 """
 from ._core import (Cancelled, ClosestOne, Error, FileMissing, FileNotWritable, Index, InvalidInput, LimitExceeded, Mesh,
-                    MinkowskiSum, Octree, Polyhedron, Topology, TouchRenderer, TouchScene, __version__, device_limits,
-                    minkowski_sum, orthographic, perspective, separation)
-from ._results import (CELL_KINDS, CONTAINMENTS, FEATURE_KINDS, HOLDS, INSIDE_METHODS, SIGN_METHODS, TOUCH_FAULTS, CellsOnRays,
-                       Closest, Contacts, Containments, Contour, Deviation, DeviceLimits, Distances, Facets, Field, Finding, HitLists, Hits, Leaves,
-                       Material, Nearest, Neighbours, PairLists, Pairs, Patches, Repair, Replay, Report, SelfIntersections, SumDistances,
-                       Texture, Touch)
+                    MinkowskiSum, Octree, Polyhedron, Scene, Solid, Topology, TouchRenderer, TouchScene, __version__, device_limits,
+                    minkowski_sum, motion_between, orthographic, perspective, pose_at, separation)
+from ._results import (CELL_KINDS, CONTACT_EVIDENCE, CONTAINMENTS, FEATURE_KINDS, HOLDS, INSIDE_METHODS, PENETRATION_METHODS, SIGN_METHODS,
+                       TOUCH_FAULTS, CellsOnRays, Closest, ContactRegions, Contacts, Containments, Contour, Deviation, DeviceLimits, Distances,
+                       Facets, Field, Finding, FirstContact, HitLists, Hits, InstancePairs, InstanceTriangles, Leaves, Material, Motion,
+                       NearInstances, Nearest, Neighbours, PairLists, Pairs, Patches, PenetrationDepth, Repair, Replay, Report, SceneClosest,
+                       SceneHitLists, SceneHits, SelfIntersections, SumDistances, Texture, Touch)
 
 __all__ = [
     "Mesh", "Index", "Topology", "Octree", "Polyhedron", "MinkowskiSum", "minkowski_sum", "separation", "perspective", "orthographic",
+    "Scene", "Solid", "Motion", "motion_between", "pose_at",
     "TouchScene", "TouchRenderer", "Material", "Texture", "DeviceLimits", "device_limits",
     "Closest", "ClosestOne", "Hits", "HitLists", "Pairs", "PairLists", "SelfIntersections", "Containments", "Contour", "Distances",
+    "SceneClosest", "SceneHits", "SceneHitLists", "InstanceTriangles", "InstancePairs", "NearInstances", "FirstContact", "PenetrationDepth",
+    "ContactRegions", "PENETRATION_METHODS", "CONTACT_EVIDENCE",
     "Neighbours", "Nearest", "Field", "Deviation", "Patches", "Leaves", "CellsOnRays", "Facets", "SumDistances", "Report", "Finding", "Repair", "Touch", "Contacts",
     "Replay", "FEATURE_KINDS", "SIGN_METHODS", "CELL_KINDS", "INSIDE_METHODS", "CONTAINMENTS", "HOLDS", "TOUCH_FAULTS",
     "Error", "InvalidInput", "FileMissing", "FileNotWritable", "LimitExceeded", "Cancelled", "__version__",

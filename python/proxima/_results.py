@@ -8,6 +8,8 @@ FEATURE_KINDS = ("vertex", "edge", "face")  # of Closest.feature_kind
 SIGN_METHODS = ("on_surface", "pseudonormal", "winding_number")  # of Index.signed_distance(method=True)
 INSIDE_METHODS = ("crossings", "parity", "winding_number")  # of Containments.method
 CONTAINMENTS = ("none", "a_in_b", "b_in_a")  # of Containments.containment
+PENETRATION_METHODS = ("apart", "convex", "bounds")  # of PenetrationDepth.method
+CONTACT_EVIDENCE = ("intersection", "rounding", "steps")  # of FirstContact.evidence
 HOLDS = ("free", "sliding", "sticking")  # of Touch.hold
 TOUCH_FAULTS = ("none", "not_finite", "jumped")  # of Touch.fault
 CELL_KINDS = ("outer", "inner", "boundary", "unclassified")  # of Leaves.kind
@@ -88,6 +90,86 @@ Distances = _result(
     point_b="(n, 3) float64: that of the other, moved",
     triangle_a="(n,) int32, -1 where nothing was found",
     triangle_b="(n,) int32, -1 where nothing was found")
+
+SceneClosest = _result(
+    "SceneClosest", "The closest points of a scene's instances to n points.",
+    instance="(n,) int32: -1 where none is within the radius",
+    distance="(n,) float64: inf where none is within the radius",
+    point="(n, 3) float64: the closest point, in the scene",
+    triangle="(n,) int32: of the instance's index, the lowest that has the feature",
+    feature_kind="(n,) uint8: 0 vertex, 1 edge, 2 face, as Closest has it",
+    feature="(n,) int32: the id of the vertex, edge or triangle",
+    barycentric="(n, 3) float64: of the point in the triangle")
+
+SceneHits = _result(
+    "SceneHits", "The first hits of n rays and a scene: point = origin + t direction.",
+    instance="(n,) int32, -1 for a miss",
+    t="(n,) float64, in units of the direction; inf for a miss",
+    triangle="(n,) int32: of the instance's index, -1 for a miss",
+    u="(n,) float64, NaN for a miss", v="(n,) float64, NaN for a miss")
+SceneHits.hit = property(lambda self: self.triangle >= 0, doc="(n,) bool: whether the ray hits")
+
+SceneHitLists = _result(
+    "SceneHitLists", "All hits of n rays and a scene, those of each by t, then instance, then triangle.",
+    first=_FIRST, instance="(m,) int32", t="(m,) float64", triangle="(m,) int32", u="(m,) float64", v="(m,) float64")
+
+InstanceTriangles = _result(
+    "InstanceTriangles", "Triangles of instances, by instance, then triangle.",
+    instance="(m,) int32", triangle="(m,) int32: of the instance's index")
+
+InstancePairs = _result(
+    "InstancePairs", "Pairs of instances, by a, then b.", a="(m,) int32", b="(m,) int32: larger than a")
+
+NearInstances = _result(
+    "NearInstances", "Pairs of instances that are near each other, by a, then b.",
+    a="(m,) int32", b="(m,) int32: larger than a",
+    distance="(m,) float64: of the surfaces, 0 where they touch",
+    point_a="(m, 3) float64: the closest point of a, in the scene", point_b="(m, 3) float64: that of b",
+    triangle_a="(m,) int32: of a's index", triangle_b="(m,) int32: of b's index")
+
+Motion = _result(
+    "Motion", "A rigid motion of a mesh from time 0 to time 1, which turns about a center that moves along a straight line.",
+    (None, (0.0, 0.0, 0.0), (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)),
+    start="(3, 4) or (4, 4) floats: the pose at time 0; None: as it is",
+    center="(3,) floats: in the mesh's own coordinates",
+    displacement="(3,) floats: of the center, over the whole motion",
+    turn="(3,) floats: the axis times the angle in radians, in the other mesh's axes; more than one revolution is one")
+
+FirstContact = _result(
+    "FirstContact", "When a moving mesh first touches another one.",
+    free_until="float: touching nothing is proven from 0 up to this time, roundings included",
+    touches_at="float: a time at which they meet; the first contact is between the two; inf where the evidence is none",
+    evidence="int: 0 intersection, exact; 1 rounding, nearer than roundings and neither shown to meet nor to miss; 2 steps, "
+             "max_steps were taken",
+    free_pose="(3, 4) float64: of the moving mesh at free_until",
+    distance="float: of the surfaces then",
+    point="(3,) float64: their closest points then", other_point="(3,) float64",
+    triangle="int", other_triangle="int: of the moving mesh",
+    normal="(3,) float64: towards the moving mesh, of length 1; 0 where they meet at the start",
+    steps="int: distances that were computed")
+
+PenetrationDepth = _result(
+    "PenetrationDepth", "The length of the shortest translation that separates two solids, as an interval that holds it.",
+    lower="float: no shorter translation of the other solid separates them",
+    upper="float: moved by `translation`, no longer than this, it is free",
+    direction="(3,) float64: of the translation, of length 1; 0 where they are apart",
+    translation="(3,) float64: to add to that of the other's pose",
+    deepest="(3,) float64: a point of both; 0 where they are apart",
+    method="int: 0 apart, 1 convex, by the Minkowski sum; 2 bounds, of solids that are not convex")
+
+ContactRegions = _result(
+    "ContactRegions", "The n connected parts of the contour of two solids, each with at most four points for physics.",
+    position="(n, 3) float64: mean of the region's contour",
+    normal="(n, 3) float64: towards the other solid, of length 1",
+    depth="(n,) float64: the largest found along the normal",
+    length="(n,) float64: of the contour", area="(n,) float64: that its loops span, along the normal",
+    first="(n + 1,) int64: the points of region i are rows first[i] to first[i + 1] - 1, the deepest first",
+    on_a="(m, 3) float64: the end along the normal, most often on this solid's surface",
+    on_b="(m, 3) float64: the end against it, most often on the other's",
+    point_depth="(m,) float64: how far apart the two are",
+    first_line="(n + 1,) int64: the lines of region i are rows first_line[i] to first_line[i + 1] - 1 of `line`",
+    line="(k,) int64: numbers of the contour's lines, region by region",
+    contour="Contour")
 
 Finding = _result(
     "Finding", "One kind of flaw of a mesh.",

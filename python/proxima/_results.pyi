@@ -9,6 +9,8 @@ FEATURE_KINDS: tuple[str, str, str]
 SIGN_METHODS: tuple[str, str, str]
 INSIDE_METHODS: tuple[str, str, str]
 CONTAINMENTS: tuple[str, str, str]
+PENETRATION_METHODS: tuple[str, str, str]
+CONTACT_EVIDENCE: tuple[str, str, str]
 HOLDS: tuple[str, str, str]
 TOUCH_FAULTS: tuple[str, str, str]
 CELL_KINDS: tuple[str, str, str, str]
@@ -76,6 +78,91 @@ class Distances(NamedTuple):
     point_b: NDArray[float64]
     triangle_a: Any
     triangle_b: Any
+
+class SceneClosest(NamedTuple):
+    instance: NDArray[int32]
+    distance: NDArray[float64]
+    point: NDArray[float64]
+    triangle: NDArray[int32]
+    feature_kind: NDArray[uint8]
+    feature: NDArray[int32]
+    barycentric: NDArray[float64]
+
+class SceneHits(NamedTuple):
+    instance: NDArray[int32]
+    t: NDArray[float64]
+    triangle: NDArray[int32]
+    u: NDArray[float64]
+    v: NDArray[float64]
+    @property
+    def hit(self) -> NDArray[bool_]: ...
+
+class SceneHitLists(NamedTuple):
+    first: NDArray[int64]
+    instance: NDArray[int32]
+    t: NDArray[float64]
+    triangle: NDArray[int32]
+    u: NDArray[float64]
+    v: NDArray[float64]
+
+class InstanceTriangles(NamedTuple):
+    instance: NDArray[int32]
+    triangle: NDArray[int32]
+
+class InstancePairs(NamedTuple):
+    a: NDArray[int32]
+    b: NDArray[int32]
+
+class NearInstances(NamedTuple):
+    a: NDArray[int32]
+    b: NDArray[int32]
+    distance: NDArray[float64]
+    point_a: NDArray[float64]
+    point_b: NDArray[float64]
+    triangle_a: NDArray[int32]
+    triangle_b: NDArray[int32]
+
+# Anything that NumPy makes an array of.
+class Motion(NamedTuple):
+    start: Any = None
+    center: Any = (0.0, 0.0, 0.0)
+    displacement: Any = (0.0, 0.0, 0.0)
+    turn: Any = (0.0, 0.0, 0.0)
+
+class FirstContact(NamedTuple):
+    free_until: float
+    touches_at: float
+    evidence: int
+    free_pose: NDArray[float64]
+    distance: float
+    point: NDArray[float64]
+    other_point: NDArray[float64]
+    triangle: int
+    other_triangle: int
+    normal: NDArray[float64]
+    steps: int
+
+class PenetrationDepth(NamedTuple):
+    lower: float
+    upper: float
+    direction: NDArray[float64]
+    translation: NDArray[float64]
+    deepest: NDArray[float64]
+    method: int
+
+class ContactRegions(NamedTuple):
+    position: NDArray[float64]
+    normal: NDArray[float64]
+    depth: NDArray[float64]
+    length: NDArray[float64]
+    area: NDArray[float64]
+    first: NDArray[int64]
+    on_a: NDArray[float64]
+    on_b: NDArray[float64]
+    point_depth: NDArray[float64]
+    first_line: NDArray[int64]
+    line: NDArray[int64]
+    contour: Contour
 
 class Finding(NamedTuple):
     kind: str

@@ -32,28 +32,50 @@ py::array any_array(const py::handle& object, const char* name)
                      py::str(array.dtype()).cast<std::string>());
 }
 
-void check_shape(const py::array& array, const char* name)
+void check_shape(const py::array& array, std::size_t columns, const char* name)
 {
-    if (array.ndim() != 2 || array.shape(1) != 3)
-        refuse(name, "must have shape (n, 3), has " + shape_text(array));
+    if (array.ndim() != 2 || array.shape(1) != static_cast<py::ssize_t>(columns)) {
+        refuse(name,
+               "must have shape (n, " + std::to_string(columns) + "), has " + shape_text(array));
+    }
 }
 
+/// Writes rows of `columns` indices each. `row_name` says in the message what a row is.
 template <class From>
-void copy_corners(const py::array& array, const char* name, std::vector<TriangleCorners>& corners)
+void copy_indices(const py::array& array, std::size_t columns, const char* name,
+                  const char* row_name, std::uint32_t* to)
 {
     const auto from = py::array_t<From, py::array::c_style | py::array::forcecast>(array);
-    const From* value = from.data();
+    const From* const values = from.data();
     constexpr auto most = std::numeric_limits<std::uint32_t>::max();
-    for (std::size_t i = 0; i < corners.size(); ++i) {
-        for (std::uint32_t& corner : corners[i]) {
-            const From index = *value++;
-            if (index < 0 || static_cast<std::uint64_t>(index) > most) {
-                refuse(name, "triangle " + std::to_string(i) + " has the vertex index " +
-                                 std::to_string(index));
-            }
-            corner = static_cast<std::uint32_t>(index);
+    const auto count = static_cast<std::size_t>(from.size());
+    for (std::size_t i = 0; i < count; ++i) {
+        if (values[i] < 0 || static_cast<std::uint64_t>(values[i]) > most) {
+            refuse(name, row_name + std::to_string(i / columns) + " has the vertex index " +
+                             std::to_string(values[i]));
         }
+        to[i] = static_cast<std::uint32_t>(values[i]);
     }
+}
+
+/// Rows of N indices.
+template <std::size_t N>
+std::vector<std::array<std::uint32_t, N>> indices_of(const py::handle& object, const char* name,
+                                                     const char* row_name)
+{
+    const py::array array = any_array(object, name);
+    const char kind = array.dtype().kind();
+    const bool empty = array.size() == 0; // an empty list has dtype float64
+    if (kind != 'i' && kind != 'u' && !empty) refuse_type(array, name, "integers");
+    check_shape(array, N, name);
+    std::vector<std::array<std::uint32_t, N>> rows(static_cast<std::size_t>(array.shape(0)));
+    std::uint32_t* const to = rows.empty() ? nullptr : rows[0].data();
+    if (kind == 'u') {
+        copy_indices<std::uint64_t>(array, N, name, row_name, to);
+    } else {
+        copy_indices<std::int64_t>(array, N, name, row_name, to);
+    }
+    return rows;
 }
 
 bool holds_poses(const py::array& array)
@@ -90,7 +112,7 @@ py::array_t<double> doubles_of(const py::handle& object, const char* name)
 PointsArgument::PointsArgument(const py::handle& object, const char* name)
     : array_(doubles_of(object, name))
 {
-    check_shape(array_, name);
+    check_shape(array_, 3, name);
     points_ = {static_cast<const Vec3*>(static_cast<const void*>(array_.data())),
                static_cast<std::size_t>(array_.shape(0))};
 }
@@ -105,18 +127,12 @@ Vec3 point_of(const py::handle& object, const char* name)
 
 std::vector<TriangleCorners> corners_of(const py::handle& object, const char* name)
 {
-    const py::array array = any_array(object, name);
-    const char kind = array.dtype().kind();
-    const bool empty = array.size() == 0; // an empty list has dtype float64
-    if (kind != 'i' && kind != 'u' && !empty) refuse_type(array, name, "integers");
-    check_shape(array, name);
-    std::vector<TriangleCorners> corners(static_cast<std::size_t>(array.shape(0)));
-    if (kind == 'u') {
-        copy_corners<std::uint64_t>(array, name, corners);
-    } else {
-        copy_corners<std::int64_t>(array, name, corners);
-    }
-    return corners;
+    return indices_of<3>(object, name, "triangle ");
+}
+
+std::vector<std::array<std::uint32_t, 2>> segments_of(const py::handle& object, const char* name)
+{
+    return indices_of<2>(object, name, "segment ");
 }
 
 std::vector<std::int64_t> integers_of(const py::handle& object, const char* name,
@@ -156,6 +172,27 @@ RigidTransform pose_of(const py::object& object)
     if (!holds_poses(array) || array.ndim() != 2)
         refuse("pose", "must be one pose, of shape (3, 4) or (4, 4), has " + shape_text(array));
     return pose_at({array.data(), static_cast<std::size_t>(array.size())}, "pose");
+}
+
+py::array vector_of(const Vec3& vector)
+{
+    return array_of<double>(std::span(vector.data(), 3));
+}
+
+double* write_matrix(const RigidTransform& pose, double* to)
+{
+    for (int row = 0; row < 3; ++row) {
+        for (int column = 0; column < 3; ++column) *to++ = pose.rotation(row, column);
+        *to++ = pose.translation[row];
+    }
+    return to;
+}
+
+py::array matrix_of(const RigidTransform& pose)
+{
+    auto matrix = new_rows<double>(3, 4);
+    write_matrix(pose, matrix.mutable_data());
+    return matrix;
 }
 
 py::array rows_of(std::span<const Vec3> points)

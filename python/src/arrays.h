@@ -39,6 +39,10 @@ private:
 /// Corner indices of shape (n, 3), of any integers.
 [[nodiscard]] std::vector<TriangleCorners> corners_of(const py::handle& object, const char* name);
 
+/// Indices of the two ends of segments, of shape (n, 2), of any integers.
+[[nodiscard]] std::vector<std::array<std::uint32_t, 2>> segments_of(const py::handle& object,
+                                                                    const char* name);
+
 /// Integers of shape (n,), or a number. `wanted` says in the message what they must be.
 [[nodiscard]] std::vector<std::int64_t> integers_of(const py::handle& object, const char* name,
                                                     const char* wanted = "integers of shape (n,)");
@@ -67,6 +71,15 @@ template <class T>
     return py::array_t<T>(
         std::vector{static_cast<py::ssize_t>(size), static_cast<py::ssize_t>(columns)});
 }
+
+/// A point or direction as an array of shape (3,).
+[[nodiscard]] py::array vector_of(const Vec3& vector);
+
+/// Writes a pose as 12 numbers, row-major (R | t). Returns where they end.
+double* write_matrix(const RigidTransform& pose, double* to);
+
+/// A pose as an array of shape (3, 4).
+[[nodiscard]] py::array matrix_of(const RigidTransform& pose);
 
 /// Points as an array of shape (n, 3).
 [[nodiscard]] py::array rows_of(std::span<const Vec3> points);

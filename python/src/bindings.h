@@ -20,6 +20,8 @@ void bind_octree_cells(py::class_<Octree>& octree);
 void bind_touch_scene(py::module_& module);
 void bind_touch_renderer(py::module_& module);
 void bind_minkowski(py::module_& module);
+void bind_scene(py::module_& module);
+void bind_solid(py::module_& module);
 
 /// A class of proxima/_results.py, the named tuples of arrays that queries return.
 [[nodiscard]] inline py::object result_type(const char* name)

@@ -104,6 +104,19 @@ std::string represent(const MeshIndex& index)
 
 } // namespace
 
+MeshIndex index_of(const py::object& model, const char* wanted)
+{
+    if (py::isinstance<MeshIndex>(model)) return model.cast<const MeshIndex&>();
+    if (!py::isinstance<TriangleMesh>(model)) {
+        throw py::type_error(std::string("model: must be ") + wanted + ", is a " +
+                             type_name(model));
+    }
+    const auto& mesh = model.cast<const TriangleMesh&>();
+    return run(py::none(), Duration::lengthy, [&](Progress* watched) {
+        return build_mesh_index(mesh, {.execution = {.progress = watched}});
+    });
+}
+
 void bind_index(py::module_& module)
 {
     py::class_<MeshIndex> index(module, "Index",
@@ -214,6 +227,7 @@ lists were built for: then build anew.)")
     bind_near(index);
     bind_field(index);
     bind_comparisons(index);
+    bind_motions(module, index);
 }
 
 } // namespace proxima::python

@@ -14,11 +14,6 @@ py::array_t<double> numbers(std::span<const double> values)
     return array_of<double>(values);
 }
 
-py::array_t<double> vector_of(const Vec3& vector)
-{
-    return numbers({vector.data(), 3});
-}
-
 py::array_t<double> bounds_array(const DistanceBounds& bounds)
 {
     return numbers(std::array{bounds.lower, bounds.upper});

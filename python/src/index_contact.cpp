@@ -1,4 +1,5 @@
 #include "arrays.h"
+#include "contour.h"
 #include "index_methods.h"
 #include "proxima/intersect_meshes.h"
 #include "run.h"
@@ -122,28 +123,33 @@ py::object contour(const MeshIndex& index, const MeshIndex& other, const py::obj
         const py::gil_scoped_release unlocked;
         found = intersection_contour(index, other, moved);
     }
-    const std::size_t size = found.points.size();
+    return contour_columns(found);
+}
+
+} // namespace
+
+py::object contour_columns(const IntersectionContour& contour)
+{
+    const std::size_t size = contour.points.size();
     auto points = new_rows<double>(size, 3);
     PartColumns on_a(size);
     PartColumns on_b(size);
     for (std::size_t i = 0; i < size; ++i) {
-        elements_of<Vec3>(points)[i] = found.points[i].position;
-        on_a.set(i, found.points[i].on_a);
-        on_b.set(i, found.points[i].on_b);
+        elements_of<Vec3>(points)[i] = contour.points[i].position;
+        on_a.set(i, contour.points[i].on_a);
+        on_b.set(i, contour.points[i].on_b);
     }
-    auto first = new_array<std::int64_t>(found.lines.size() + 1);
-    auto closed = new_array<bool>(found.lines.size());
+    auto first = new_array<std::int64_t>(contour.lines.size() + 1);
+    auto closed = new_array<bool>(contour.lines.size());
     first.mutable_data()[0] = 0;
-    for (std::size_t i = 0; i < found.lines.size(); ++i) {
+    for (std::size_t i = 0; i < contour.lines.size(); ++i) {
         first.mutable_data()[i + 1] =
-            static_cast<std::int64_t>(found.lines[i].first + found.lines[i].count);
-        closed.mutable_data()[i] = found.lines[i].closed;
+            static_cast<std::int64_t>(contour.lines[i].first + contour.lines[i].count);
+        closed.mutable_data()[i] = contour.lines[i].closed;
     }
     return result_type("Contour")(first, closed, points, on_a.kind, on_a.ids, on_b.kind, on_b.ids,
-                                  found.length());
+                                  contour.length());
 }
-
-} // namespace
 
 void bind_contact(py::class_<MeshIndex>& index)
 {

@@ -18,6 +18,9 @@ inline constexpr std::size_t lengthy_batch = 4096;
     return queries < lengthy_batch ? Duration::brief : Duration::lengthy;
 }
 
+/// An Index, or that of a Mesh. Cancelled by Ctrl-C. `wanted` says in the message what the model must be.
+[[nodiscard]] MeshIndex index_of(const py::object& model, const char* wanted);
+
 /// The volume of planes (n, 4).
 [[nodiscard]] ViewVolume volume_of(const py::object& planes);
 
@@ -35,5 +38,6 @@ void bind_contact(py::class_<MeshIndex>& index);
 void bind_near(py::class_<MeshIndex>& index);
 void bind_field(py::class_<MeshIndex>& index);
 void bind_comparisons(py::class_<MeshIndex>& index);
+void bind_motions(py::module_& module, py::class_<MeshIndex>& index);
 
 } // namespace proxima::python

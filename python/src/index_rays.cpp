@@ -1,6 +1,7 @@
 #include "arrays.h"
 #include "index_methods.h"
 #include "proxima/cast_ray.h"
+#include "rays.h"
 #include "run.h"
 
 #include <limits>
@@ -13,7 +14,6 @@ namespace proxima::python {
 namespace {
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
-constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 
 /// One number for all rays, or one for each.
 class RangeArgument {
@@ -33,6 +33,8 @@ public:
 private:
     py::array_t<double> array_;
 };
+
+} // namespace
 
 std::vector<Ray> rays_of(const py::object& origins, const py::object& directions,
                          const py::object& t_min, const py::object& t_max)
@@ -68,35 +70,18 @@ Faces faces_named(const std::string& name)
     refuse("faces", R"(must be "both", "front" or "back", is ")" + name + "\"");
 }
 
-/// Columns of hits.
-class HitArrays {
-public:
-    explicit HitArrays(std::size_t size)
-        : t_(new_array<double>(size)), triangle_(new_array<std::int32_t>(size)),
-          u_(new_array<double>(size)), v_(new_array<double>(size)), to_t_(t_.mutable_data()),
-          to_triangle_(triangle_.mutable_data()), to_u_(u_.mutable_data()), to_v_(v_.mutable_data())
-    {}
+HitArrays::HitArrays(std::size_t size)
+    : t_(new_array<double>(size)), triangle_(new_array<std::int32_t>(size)),
+      u_(new_array<double>(size)), v_(new_array<double>(size)), to_t_(t_.mutable_data()),
+      to_triangle_(triangle_.mutable_data()), to_u_(u_.mutable_data()), to_v_(v_.mutable_data())
+{}
 
-    void set(std::size_t i, const RayHit& hit) noexcept
-    {
-        to_t_[i] = hit.t;
-        to_triangle_[i] = static_cast<std::int32_t>(to_index(hit.triangle));
-        to_u_[i] = hit.u;
-        to_v_[i] = hit.v;
-    }
+py::tuple HitArrays::columns() const
+{
+    return py::make_tuple(t_, triangle_, u_, v_);
+}
 
-    [[nodiscard]] py::tuple columns() const { return py::make_tuple(t_, triangle_, u_, v_); }
-
-private:
-    py::array_t<double> t_;
-    py::array_t<std::int32_t> triangle_;
-    py::array_t<double> u_;
-    py::array_t<double> v_;
-    double* to_t_;
-    std::int32_t* to_triangle_;
-    double* to_u_;
-    double* to_v_;
-};
+namespace {
 
 py::object cast_rays(const MeshIndex& index, const py::object& origins,
                      const py::object& directions, const py::object& t_min, const py::object& t_max,
@@ -123,8 +108,7 @@ py::object cast_rays(const MeshIndex& index, const py::object& origins,
         HitArrays arrays(rays.size());
         run(progress, duration, [&](Progress* watched) {
             auto status = closest_hits(index, rays, found, options_for(watched));
-            for (std::size_t i = 0; i < found.size(); ++i)
-                arrays.set(i, found[i].value_or(RayHit{infinity, no_triangle, nan, nan}));
+            for (std::size_t i = 0; i < found.size(); ++i) arrays.set(i, found[i].value_or(no_hit));
             return status;
         });
         return result_type("Hits")(*arrays.columns());

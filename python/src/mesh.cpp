@@ -23,6 +23,19 @@ TriangleMesh make_mesh(const py::object& vertices, const py::object& faces)
     return value_of(make_triangle_mesh({points.begin(), points.end()}, corners_of(faces, "faces")));
 }
 
+TriangleMesh of_points(const py::object& points)
+{
+    const PointsArgument positions(points, "points");
+    return value_of(mesh_of_points({positions.points().begin(), positions.points().end()}));
+}
+
+TriangleMesh of_segments(const py::object& points, const py::object& segments)
+{
+    const PointsArgument positions(points, "points");
+    return value_of(mesh_of_segments({positions.points().begin(), positions.points().end()},
+                                     segments_of(segments, "segments")));
+}
+
 ReadOptions read_options(std::optional<bool> weld, bool points_and_lines, Progress* progress)
 {
     return {.weld = !weld   ? Weld::by_format
@@ -121,6 +134,17 @@ Mesh(vertices, faces)
 float32 or float64, any memory order; both arrays are copied. Raises InvalidInput where an index is out of
 range. NaN and infinite coordinates are refused when an Index or an Octree is built.)");
     mesh.def(py::init(&make_mesh), py::arg("vertices"), py::arg("faces"))
+        .def_static("of_points", &of_points, py::arg("points"),
+                    R"(A point cloud, (V, 3) floats, as a mesh: triangle i is (i, i, i).
+
+Every query takes such meshes. The closest feature is always a vertex; they have no inside, and rays hit them only where they
+meet a point exactly.)")
+        .def_static(
+            "of_segments", &of_segments, py::arg("points"), py::arg("segments"),
+            R"(Segments, such as those of polylines, as a mesh: triangle i is (v, w, w) of segment (v, w).
+
+    points    (V, 3) floats
+    segments  (S, 2) integers, indices into points)")
         .def_static("read", &read, py::arg("path"), py::kw_only(), py::arg("weld") = py::none(),
                     py::arg("points_and_lines") = false, py::arg("progress") = py::none(),
                     R"(Reads OBJ, PLY, STL, OFF or XYZ in float64; 3DS, glTF and GLB by assimp.

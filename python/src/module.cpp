@@ -15,6 +15,8 @@ PYBIND11_MODULE(_core, module)
     bind_topology(module);
     bind_octree(module);
     bind_minkowski(module);
+    bind_scene(module);
+    bind_solid(module);
     bind_touch_scene(module);
     bind_touch_renderer(module);
 }

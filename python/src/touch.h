@@ -34,10 +34,7 @@ struct SharedScene {
 /// The texture that a proxima.Texture describes; none for None.
 [[nodiscard]] std::optional<SurfaceTexture> texture_of(const py::object& texture);
 
-/// An Index, or that of a Mesh. Cancelled by Ctrl-C, like body_of(). `wanted` says in the message what
-/// it must be.
-[[nodiscard]] MeshIndex index_of(const py::object& model, const char* wanted);
-
+/// Cancelled by Ctrl-C.
 [[nodiscard]] TouchBody body_of(const MeshIndex& index, const TouchBodyOptions& options);
 
 /// The columns of proxima.Touch.

@@ -7,6 +7,7 @@
 #include "haptics/surface/contact_surface.h"
 #include "haptics/surface/exits.h"
 #include "haptics/surface/shading_normals.h"
+#include "index_methods.h"
 #include "proxima/mesh_index.h"
 #include "run.h"
 #include "touch.h"

@@ -1,5 +1,6 @@
 #include "proxima/touch_scene.h"
 #include "bindings.h"
+#include "index_methods.h"
 #include "proxima/mesh_index.h"
 #include "run.h"
 #include "touch.h"
@@ -93,7 +94,6 @@ void set_material(SharedScene& self, std::int64_t object, const py::object& mate
 
 py::array pose(SharedScene& self, std::int64_t object)
 {
-    auto matrix = new_rows<double>(3, 4);
     RigidTransform now;
     {
         const ObjectId id = object_numbered(self, object);
@@ -101,12 +101,7 @@ py::array pose(SharedScene& self, std::int64_t object)
         const std::lock_guard lock(self.ticks);
         now = self.scene.pose(id);
     }
-    double* to = matrix.mutable_data();
-    for (int row = 0; row < 3; ++row) {
-        for (int column = 0; column < 3; ++column) *to++ = now.rotation(row, column);
-        *to++ = now.translation[row];
-    }
-    return matrix;
+    return matrix_of(now);
 }
 
 } // namespace
@@ -148,19 +143,6 @@ std::optional<SurfaceTexture> texture_of(const py::object& texture)
     made.stick_slip = {number("stick_slip_stiffness"), number("stick_slip_force")};
     made.tap = {number("tap_gain"), number("tap_frequency"), number("tap_decay")};
     return made;
-}
-
-MeshIndex index_of(const py::object& model, const char* wanted)
-{
-    if (py::isinstance<MeshIndex>(model)) return model.cast<const MeshIndex&>();
-    if (!py::isinstance<TriangleMesh>(model)) {
-        throw py::type_error(std::string("model: must be ") + wanted + ", is a " +
-                             type_name(model));
-    }
-    const auto& mesh = model.cast<const TriangleMesh&>();
-    return run(py::none(), Duration::lengthy, [&](Progress* watched) {
-        return build_mesh_index(mesh, {.execution = {.progress = watched}});
-    });
 }
 
 TouchBody body_of(const MeshIndex& index, const TouchBodyOptions& options)

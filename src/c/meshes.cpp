@@ -4,6 +4,8 @@
 #include "proxima/mesh_io.h"
 #include "proxima/sample_meshes.h"
 
+#include <array>
+#include <cstdint>
 #include <vector>
 
 namespace {
@@ -56,6 +58,32 @@ proxima_status proxima_mesh_create(const double* vertices, size_t vertex_count,
         for (std::size_t i = 0; i < triangle_count; ++i)
             corners[i] = {triangles[3 * i], triangles[3 * i + 1], triangles[3 * i + 2]};
         return give(make_triangle_mesh(std::move(positions), std::move(corners)), mesh);
+    });
+}
+
+proxima_status proxima_mesh_of_points(const double* points, size_t point_count, proxima_mesh** mesh)
+{
+    if (any_null(mesh)) return PROXIMA_INVALID_ARGUMENT;
+    if (point_count > 0 && any_null(points)) return PROXIMA_INVALID_ARGUMENT;
+    return guarded([&] {
+        const auto given = points_of(points, point_count);
+        return give(mesh_of_points({given.begin(), given.end()}), mesh);
+    });
+}
+
+proxima_status proxima_mesh_of_segments(const double* points, size_t point_count,
+                                        const uint32_t* segments, size_t segment_count,
+                                        proxima_mesh** mesh)
+{
+    if (any_null(mesh)) return PROXIMA_INVALID_ARGUMENT;
+    if (point_count > 0 && any_null(points)) return PROXIMA_INVALID_ARGUMENT;
+    if (segment_count > 0 && any_null(segments)) return PROXIMA_INVALID_ARGUMENT;
+    return guarded([&] {
+        const auto given = points_of(points, point_count);
+        std::vector<std::array<std::uint32_t, 2>> ends(segment_count);
+        for (std::size_t i = 0; i < segment_count; ++i)
+            ends[i] = {segments[2 * i], segments[2 * i + 1]};
+        return give(mesh_of_segments({given.begin(), given.end()}, ends), mesh);
     });
 }
 

@@ -24,12 +24,6 @@ tl::unexpected<Error> bad_structure(std::string message, std::string where)
     return fail(ErrorCode::broken_invariant, std::move(message), std::move(where));
 }
 
-bool is_power_of_two(double value)
-{
-    int exponent = 0;
-    return std::isfinite(value) && std::frexp(value, &exponent) == 0.5;
-}
-
 /// What a row says of its triangle; an empty text where it can be.
 template <class Scalar>
 const char* fault_of(const TriangleRow<Scalar>& row, const IndexParts& index)

@@ -106,6 +106,40 @@ static void test_meshes(const char* folder)
     proxima_mesh_destroy(NULL);
 }
 
+static void test_points_and_segments(void)
+{
+    proxima_mesh* mesh = NULL;
+    proxima_index* index = NULL;
+    proxima_closest closest;
+    const double p[] = {0.5, 0.125, 0.25};
+    const uint32_t ends[] = {0, 1, 5, 4}, beyond[] = {0, 6};
+
+    CHECK(proxima_mesh_of_points(octahedron, 6, &mesh) == PROXIMA_OK && proxima_mesh_triangle_count(mesh) == 6);
+    CHECK(memcmp(proxima_mesh_vertices(mesh), octahedron, sizeof octahedron) == 0);
+    for (uint32_t i = 0; i < 18; ++i) CHECK(proxima_mesh_triangles(mesh)[i] == i / 3);
+    CHECK(proxima_index_build(mesh, 0, NULL, &index) == PROXIMA_OK);
+    proxima_mesh_destroy(mesh);
+    CHECK(proxima_closest_feature(index, p, INFINITY, &closest) == PROXIMA_OK);
+    CHECK(closest.kind == PROXIMA_VERTEX && closest.point[0] == octahedron[3 * closest.feature]);
+    CHECK(closest.squared_distance == 0.25 + 0.015625 + 0.0625);
+    proxima_index_destroy(index);
+
+    CHECK(proxima_mesh_of_segments(octahedron, 6, ends, 2, &mesh) == PROXIMA_OK && proxima_mesh_triangle_count(mesh) == 2);
+    const uint32_t corners[] = {0, 1, 1, 5, 4, 4};
+    CHECK(memcmp(proxima_mesh_triangles(mesh), corners, sizeof corners) == 0);
+    CHECK(proxima_index_build(mesh, 0, NULL, &index) == PROXIMA_OK);
+    proxima_mesh_destroy(mesh);
+    CHECK(proxima_closest_feature(index, p, INFINITY, &closest) == PROXIMA_OK && closest.kind == PROXIMA_EDGE);
+    proxima_index_destroy(index);
+
+    mesh = NULL;
+    REFUSES(proxima_mesh_of_segments(octahedron, 6, beyond, 1, &mesh), PROXIMA_INVALID_MESH, "6");
+    REFUSES(proxima_mesh_of_segments(octahedron, 6, NULL, 1, &mesh), PROXIMA_INVALID_ARGUMENT, "NULL");
+    REFUSES(proxima_mesh_of_points(NULL, 6, &mesh), PROXIMA_INVALID_ARGUMENT, "NULL");
+    REFUSES(proxima_mesh_of_points(octahedron, 6, NULL), PROXIMA_INVALID_ARGUMENT, "NULL");
+    CHECK(mesh == NULL);
+}
+
 static void test_index(const char* folder)
 {
     char path[1024];
@@ -359,6 +393,7 @@ int main(int argc, char** argv)
     CHECK(strcmp(proxima_error_message(), "") == 0);
     test_versions();
     test_meshes(folder);
+    test_points_and_segments();
     test_index(folder);
     test_execution();
     test_closest();

@@ -69,7 +69,7 @@ KERNELS = {f"src/octree/{name}" for name in (
         "contact/intersect_meshes.cpp", "contact/leaf_intersection-inl.h", "contact/walk_pairs-inl.h",
         "culling/cull_volume.cpp", "distance/mesh_distance.cpp", "distance/pair_bounds-inl.h", "field/search_grid.cpp",
         "rays/cast_ray.cpp",
-        "rays/intersect_exact-inl.h", "rays/prepare_ray-inl.h", "rays/walk_ray-inl.h", "scene/walk_scene.cpp")} | {
+        "rays/intersect_exact-inl.h", "rays/prepare_ray-inl.h", "rays/walk_ray-inl.h", "scene/instance_box.cpp", "scene/walk_scene.cpp")} | {
     f"src/haptics/surface/{name}" for name in (
         "ball_gaps-inl.h", "find_groups.cpp", "groups_along_segment.cpp", "near_groups.cpp", "triangle_groups.cpp",
         "triangle_tree_search.cpp")} | {"src/haptics/tool/closest_directions.cpp"}

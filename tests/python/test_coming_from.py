@@ -11,7 +11,7 @@ import proxima
 PAGE = (Path(__file__).resolve().parents[2] / "docs/coming_from.md").read_text()
 SECTIONS = {heading: re.findall(r"```python\n(.*?)```", text, re.DOTALL)
             for heading, text in re.findall(r"^## (.*?)\n(.*?)(?=^## |\Z)", PAGE, re.DOTALL | re.MULTILINE)}
-PAIRS = {"Open3D": "open3d", "trimesh": "trimesh", "libigl": "igl"}
+PAIRS = {"Open3D": "open3d", "trimesh": "trimesh", "libigl": "igl", "FCPW": "fcpw"}
 
 
 def given():
@@ -41,7 +41,7 @@ def torus(points):
 def test_ours_is_right(library):
     names = run(SECTIONS[library][1])
     truth = torus(names["points"])
-    wanted = {"Open3D": np.abs(truth), "trimesh": -truth, "libigl": truth}[library]
+    wanted = {"Open3D": np.abs(truth), "trimesh": -truth, "libigl": truth, "FCPW": np.abs(truth)}[library]
     assert np.abs(names["distances"] - wanted).max() < 0.01
     if "inside" in names:
         sure = np.abs(truth) > 0.01

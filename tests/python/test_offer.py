@@ -11,13 +11,10 @@ HEADERS = sorted((Path(__file__).resolve().parents[2] / "include/proxima").glob(
 
 # Headers that Python has nothing of.
 NO_PART_OF_IT = {
-    "contacts.h": "not bound yet, `proxima contacts --json` answers",
     "export.h": "for compilers",
     "function_ref.h": "C++ callbacks",
     "grow_cells.h": "parts of an octree, for programs that spread it over processes",
     "proxima.h": "includes the others",
-    "scene.h": "scenes of placed indexes: not bound yet, `proxima scene` does it",
-    "time_of_contact.h": "not bound yet, `proxima contact-time --json` answers",
     "tool_renderer.h": "touch with a tool: not bound yet, `proxima touch --tool` does it",
     "thesis.h": "the thesis's own methods, to compare with: their answers are those of the index",
 }
@@ -41,6 +38,20 @@ OFFERED = {
         "ClosestOutputs.distances": "Closest.distance", "ClosestOutputs.points": "Closest.point",
         "ClosestOutputs.triangles": "Closest.triangle", "ClosestOutputs.feature_kinds": "Closest.feature_kind",
         "ClosestOutputs.feature_ids": "Closest.feature", "ClosestOutputs.barycentrics": "Closest.barycentric"},
+    "contacts.h": {
+        "build_solid": "Solid", "Solid.index": "Solid.index", "Solid.is_convex": "Solid.is_convex", "Solid.hull_error": "Solid.hull_error",
+        "solids_overlap": "Solid.overlaps",
+        "penetration_depth PenetrationOptions.max_points PenetrationOptions.max_directions": "Solid.penetration_depth",
+        "PenetrationDepth.lower": "PenetrationDepth.lower", "PenetrationDepth.upper": "PenetrationDepth.upper",
+        "PenetrationDepth.direction": "PenetrationDepth.direction", "PenetrationDepth.translation": "PenetrationDepth.translation",
+        "PenetrationDepth.deepest": "PenetrationDepth.deepest", "PenetrationDepth.method": "PenetrationDepth.method",
+        "contact_regions": "Solid.contact_regions", "ContactRegion.position": "ContactRegions.position",
+        "ContactRegion.normal": "ContactRegions.normal", "ContactRegion.depth": "ContactRegions.depth",
+        "ContactRegion.length": "ContactRegions.length", "ContactRegion.area": "ContactRegions.area",
+        "ContactRegions.regions ContactRegion.point_count": "ContactRegions.first", "RegionPoint.on_a": "ContactRegions.on_a",
+        "RegionPoint.on_b": "ContactRegions.on_b", "RegionPoint.depth ContactRegion.points ContactRegion.contacts": "ContactRegions.point_depth",
+        "ContactRegion.first_line ContactRegion.line_count": "ContactRegions.first_line", "ContactRegions.lines": "ContactRegions.line",
+        "ContactRegions.contour": "ContactRegions.contour"},
     "convex_polyhedron.h": {
         "convex_hull": "Polyhedron", "mirrored": "Polyhedron.mirrored", "polyhedron_of_box": "Polyhedron.box",
         "polyhedron_of_mesh": "Polyhedron.of_mesh", "HalfSpace.normal HalfSpace.offset": "Polyhedron.half_spaces",
@@ -153,8 +164,33 @@ OFFERED = {
     "result.h": {"Error.code Error.message Error.where fail describe": "Error"},
     "sample_meshes.h": {"sample_mesh sample_mesh_names make_cube make_icosphere make_octahedron make_spaceship make_sphere "
                         "make_torus": "Mesh.sample"},
+    "scene.h": {
+        "build_scene Instance.shape Instance.pose Instance.layers": "Scene", "move_instances": "Scene.move", "Scene.shape": "Scene.shapes",
+        "Scene.instance": "Scene.poses", "Scene.instance_count": "Scene.instance_count", "Scene.bytes": "Scene.nbytes",
+        "Scene.bounds": "Scene.bounds", "Scene.shape_count": "Scene.shape",
+        "closest_hits any_hits all_hits SceneRayOptions.faces SceneRayOptions.layers": "Scene.cast", "SceneHit.instance": "SceneHits.instance",
+        "SceneHit.hit": "SceneHits.hit", "SceneHitLists.first SceneHitLists.hits": "SceneHitLists",
+        "closest_features SceneFeatureOptions.radius SceneFeatureOptions.layers": "Scene.closest",
+        "SceneFeature.instance": "SceneClosest.instance", "SceneFeature.distance": "SceneClosest.distance",
+        "SceneFeature.point": "SceneClosest.point", "SceneFeature.closest": "SceneClosest.feature",
+        "visit_instances": "Scene.in_box", "visible_instances SceneCullOptions.mode SceneCullOptions.layers": "Scene.visible",
+        "visible_ranges InstanceRange.rows": "InstanceTriangles.triangle", "InstanceRange.instance": "InstanceTriangles.instance",
+        "pairs_in_contact ScenePairOptions.layers ScenePairOptions.others": "Scene.in_contact", "pairs_within": "Scene.within",
+        "overlapping_bounds": "Scene.boxes_within", "InstancePair.a": "InstancePairs.a", "InstancePair.b": "InstancePairs.b",
+        "NearInstances.a": "NearInstances.a", "NearInstances.b": "NearInstances.b", "NearInstances.nearest": "NearInstances.distance",
+        "NearInstances.point_a": "NearInstances.point_a", "NearInstances.point_b": "NearInstances.point_b"},
     "signed_distance.h": {"signed_distances signed_distance SignedOutputs.distances SignedOutputs.methods SignedDistance.distance "
                           "SignedDistance.method": "Index.signed_distance", "name_of": "SIGN_METHODS"},
+    "time_of_contact.h": {
+        "time_of_contact TimeOfContactOptions.tolerance TimeOfContactOptions.max_steps": "Index.time_of_contact",
+        "motion_between": "motion_between", "pose_at": "pose_at", "RigidMotion.start": "Motion.start", "RigidMotion.center": "Motion.center",
+        "RigidMotion.displacement": "Motion.displacement", "RigidMotion.turn check_motion": "Motion.turn",
+        "TimeOfContact.free_until": "FirstContact.free_until", "TimeOfContact.touches_at": "FirstContact.touches_at",
+        "TimeOfContact.evidence": "FirstContact.evidence", "TimeOfContact.free_pose": "FirstContact.free_pose",
+        "TimeOfContact.distance": "FirstContact.distance", "TimeOfContact.point_a": "FirstContact.point",
+        "TimeOfContact.point_b": "FirstContact.other_point", "TimeOfContact.triangle_a": "FirstContact.triangle",
+        "TimeOfContact.triangle_b": "FirstContact.other_triangle", "TimeOfContact.normal": "FirstContact.normal",
+        "TimeOfContact.steps": "FirstContact.steps"},
     "topology.h": {"build_topology": "Topology", "Topology.vertices Topology.edge_count": "Topology.edges",
                    "Topology.across": "Topology.neighbours", "Feature.kind Feature.id": "Closest"},
     "touch_scene.h": {
@@ -173,7 +209,7 @@ OFFERED = {
         "SurfaceMaterial.dynamic_friction": "Material.dynamic_friction", "object_of": "Contacts.object",
         "triangle_of": "Contacts.triangle"},
     "triangle_mesh.h": {
-        "make_triangle_mesh mesh_of_points mesh_of_segments": "Mesh", "checked_bounding_box bounding_box": "Mesh.bounds",
+        "make_triangle_mesh": "Mesh", "mesh_of_points": "Mesh.of_points", "mesh_of_segments": "Mesh.of_segments", "checked_bounding_box bounding_box": "Mesh.bounds",
         "TriangleMesh.position TriangleMesh.positions TriangleMesh.vertex_count": "Mesh.vertices",
         "TriangleMesh.triangle TriangleMesh.triangles TriangleMesh.triangle_count": "Mesh.faces", "mesh_fingerprint": "Mesh.fingerprint"},
     "view_volume.h": {
@@ -193,6 +229,7 @@ LEFT_OUT = {
         "is_found no_closest_feature": "points that are not finite are refused", "ClosestFeature.squared_distance": NAMES,
         "ClosestOutputs.answers ClosestOutputs.squared_distances": NAMES, "BatchOptions.order": "for tuning: answers are the same",
         "ClosestFeatureOptions.radius ClosestFeatureOptions.start_from": "for loops in C++, where a start saves a microsecond"},
+    "contacts.h": {"Solid.enclosure Solid.parts": STRUCTURE},
     "convex_polyhedron.h": {
         "polyhedron_of_half_spaces ConvexPolyhedron.is_bounded ConvexPolyhedron.is_ray ConvexPolyhedron.rays "
         "ConvexPolyhedron.direction": "unbounded polyhedra: " + NOT_YET, "polyhedron_of_triangle": "Polyhedron(corners) is that",
@@ -275,6 +312,10 @@ LEFT_OUT = {
         "OctreeParameters.method OctreeParameters.subdivision OctreeParameters.threshold": "what it was built with: " + NOT_YET,
         "OctreeStatistics.leaves_at_depth": NAMES},
     "octree_io.h": {"LoadOptions.verify": "files are always checked whole"},
+    "scene.h": {
+        "closest_hit any_hit closest_feature": BATCHES, "visit_hits": "a callback for each hit: hits=\"all\" has them",
+        "SceneHit.before": "the order of Scene.cast(hits=\"all\")", "instance_frame relative_pose to_instance": "arithmetic of arrays",
+        "to_index": "ids are int32", "Scene.parts": STRUCTURE},
     "sample_meshes.h": {"is_sample_mesh_name": "a wrong name raises InvalidInput"},
     "signed_distance.h": {"has_local_signs sign_of SignedDistance.closest SignedOutputs.answers": NAMES},
     "topology.h": {"Topology.bytes": STRUCTURE, "to_index": "ids are int32",
@@ -299,16 +340,20 @@ PYTHONS_OWN = {
     "Neighbours Patches Facets Leaves.first Neighbours.first Neighbours.triangle Patches.first Patches.triangle Patches.ring "
     "Facets.first Facets.vertex HitLists.first HitLists.t HitLists.triangle HitLists.u HitLists.v PairLists.first PairLists.a "
     "PairLists.b Hits.t Hits.triangle Hits.u Hits.v": "columns of answers",
-    "Hits.hit Pairs.intersecting PairLists.intersecting": "made of the columns",
+    "Hits.hit Pairs.intersecting PairLists.intersecting": "made of the columns", "Scene.shape Scene.layers": "columns of instances",
     "Closest ClosestOne Hits Pairs Distances Leaves SumDistances Report Finding Repair SelfIntersections "
-    "Containments Contour Field Nearest CellsOnRays CellsOnRays.first Material Texture DeviceLimits Touch Contacts "
+    "SceneClosest SceneHits InstanceTriangles InstancePairs NearInstances Motion FirstContact PenetrationDepth ContactRegions "
+    "NearInstances.triangle_a NearInstances.triangle_b Containments Contour Field Nearest CellsOnRays CellsOnRays.first Material Texture DeviceLimits Touch Contacts "
     "Contour.ids_b SelfIntersections.b": "tuples of columns",
+    "SceneClosest.triangle SceneClosest.feature_kind SceneClosest.barycentric": "named as the columns of Closest",
+    "SceneHits.t SceneHits.triangle SceneHits.u SceneHits.v SceneHitLists.first SceneHitLists.instance SceneHitLists.t "
+    "SceneHitLists.triangle SceneHitLists.u SceneHitLists.v": "named as the columns of Hits",
     "ClosestOne.distance ClosestOne.point ClosestOne.triangle ClosestOne.feature_kind ClosestOne.feature ClosestOne.barycentric":
     "named as the columns of Closest",
     "Replay Replay.touch Replay.seconds Replay.position Replay.velocity Replay.force Replay.differences Replay.tick_seconds "
     "Replay.units_per_metre Replay.center TouchRenderer.replay": "sessions of `proxima touch`, which C++ has no public reader of",
     "TouchScene": "its bounds are the constructor's",
-    "FEATURE_KINDS CELL_KINDS INSIDE_METHODS CONTAINMENTS HOLDS TOUCH_FAULTS": "names of numbers",
+    "PENETRATION_METHODS CONTACT_EVIDENCE FEATURE_KINDS CELL_KINDS INSIDE_METHODS CONTAINMENTS HOLDS TOUCH_FAULTS": "names of numbers",
     "InvalidInput FileMissing FileNotWritable LimitExceeded": "Error.code as types",
     "__version__": "", "MinkowskiSum": "made by minkowski_sum()",
 }
@@ -326,7 +371,8 @@ def in_python():
         thing = getattr(proxima, name)
         if isinstance(thing, type) and not issubclass(thing, BaseException):
             names = {member for base in thing.__mro__[:-1] if base is not tuple for member in vars(base)}
-            yield from (f"{name}.{member}" for member in names if not member.startswith("_") and member not in ANSWERS)
+            own = ANSWERS if issubclass(thing, tuple) else ()
+            yield from (f"{name}.{member}" for member in names if not member.startswith("_") and member not in own)
 
 
 @pytest.mark.parametrize("header", [path.name for path in HEADERS if path.name not in NO_PART_OF_IT])

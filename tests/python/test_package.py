@@ -57,6 +57,8 @@ EXAMPLES = {
     "where_two_parts_meet": r"along 2 lines, 2 of them closed, of length 10\.99(.*\n)+.*apart by 6\.2\d+, contained: none",
     "what_a_camera_sees": r"^\d+ of 10000 triangles are in view\n(.*\n)*.*@@@", "x_ray_of_a_mesh": r"; volume 4\.9\d+",
     "octree_in_numpy": r"inner: \d+ leaves, 2\.8\d+ of the volume(.*\n)+a ray along x goes through 22 leaves, 1\.875",
+    "a_scene_of_many_copies": r"1000 instances of 1 shapes(.*\n)+\d+% of the rays hit(.*\n)+\d+ pairs meet, \d+ are within(.*\n)+after all",
+    "contact_for_physics": r"free until 0\.\d+, intersection at(.*\n)+at the end \d\.\d+ to \d\.\d+ deep \(bounds\)\n  region 0 at(.*\n)+.*overlap: False",
     "feel_a_surface_along_a_path": r"  300 ms   0\.000 N  free\n(.*\n)*.*1200 ms   0\.9\d+ N  sliding"}
 
 

@@ -120,6 +120,11 @@ def test_dtypes_of_columns():
                 proxima.Octree(mesh).along_rays([[0, 0, 3]], [[0, 0, -1]]), proxima.Material(), proxima.Texture(), proxima.DeviceLimits()]
     answers += [proxima.TouchRenderer(mesh).step(np.zeros((3, 3))), index.deviation(index)]
     answers += [answers[-2].contacts]
+    scene, solid = proxima.Scene(index, [np.eye(4), np.eye(4)]), proxima.Solid(mesh)
+    rays = ([0, 0, 3], [[0, 0, -1]])
+    answers += [scene.closest([[0, 0, 3]]), scene.cast(*rays), scene.cast(*rays, hits="all"), scene.in_contact(), scene.within(1),
+                scene.visible([[0, 0, 1, 9]], triangles=True), index.time_of_contact(index, proxima.Motion()), proxima.Motion(),
+                proxima.motion_between(None, None, [0, 0, 0]), solid.penetration_depth(solid), solid.contact_regions(solid)]
     body = proxima.Polyhedron.of_mesh(mesh)
     answers.append(proxima.minkowski_sum(body, body).signed_distance([[0, 0, 9]]))
     kinds = {type(answer).__name__ for answer in answers}

@@ -42,7 +42,7 @@ extern "C" {
 #endif
 
 /* The version of this header. */
-#define PROXIMA_C_VERSION 1
+#define PROXIMA_C_VERSION 2
 
 /* In place of an id: none. */
 #define PROXIMA_NONE UINT32_MAX
@@ -104,6 +104,14 @@ PROXIMA_C_API const char* proxima_progress_stage(const proxima_progress* progres
 PROXIMA_C_API proxima_status proxima_mesh_create(const double* vertices, size_t vertex_count,
                                                  const uint32_t* triangles, size_t triangle_count,
                                                  proxima_mesh** mesh);
+/* A point cloud: triangle i is (i, i, i). Every query takes it: its closest features are vertices. Version 2. */
+PROXIMA_C_API proxima_status proxima_mesh_of_points(const double* points, size_t point_count,
+                                                    proxima_mesh** mesh);
+/* Segments, two indices each, such as those of polylines: triangle i is (v, w, w). PROXIMA_INVALID_MESH where an index
+ * is out of range. Version 2. */
+PROXIMA_C_API proxima_status proxima_mesh_of_segments(const double* points, size_t point_count,
+                                                      const uint32_t* segments,
+                                                      size_t segment_count, proxima_mesh** mesh);
 /* OBJ, PLY, STL or OFF, told by the extension, in double precision; 3DS, glTF and GLB where the library was built
  * with assimp. */
 PROXIMA_C_API proxima_status proxima_mesh_read(const char* path, proxima_mesh** mesh);

@@ -21,12 +21,6 @@ tl::unexpected<Error> bad_lists(std::string message, std::string where)
     return fail(ErrorCode::broken_invariant, std::move(message), std::move(where));
 }
 
-bool is_power_of_two(double value)
-{
-    int exponent = 0;
-    return std::isfinite(value) && std::frexp(value, &exponent) == 0.5;
-}
-
 Status check_header(const ProximityLists& lists, std::uint32_t triangles)
 {
     const RootFrame& frame = lists.frame();
@@ -69,6 +63,12 @@ Status check_statistics(const ProximityLists& lists, ProximityStatistics counts)
 }
 
 } // namespace
+
+bool is_power_of_two(double value) noexcept
+{
+    int exponent = 0;
+    return std::isfinite(value) && std::frexp(value, &exponent) == 0.5;
+}
 
 Status check_lists(const IndexParts& index, const CheckWork& work)
 {

@@ -22,4 +22,7 @@ namespace proxima {
 /// Errors: broken_invariant; cancelled. \pre the index has lists, its rows and blocks are sound
 [[nodiscard]] Status check_lists(const IndexParts& index, const CheckWork& work);
 
+/// Whether the scale of a frame, which must be one, is a power of two.
+[[nodiscard]] bool is_power_of_two(double value) noexcept;
+
 } // namespace proxima

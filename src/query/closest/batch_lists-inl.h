@@ -7,6 +7,7 @@
 #endif
 
 #include "index/index_parts.h"
+#include "query/closest/find_closest.h"
 #include "query/closest/search_lists-inl.h"
 
 #include <array>
@@ -107,7 +108,7 @@ void search_lists_together(const IndexParts& index, const ProximityLists& lists,
         ListQuery& query = queries[i];
         if (!has_block(query)) {
             constexpr double unknown = std::numeric_limits<double>::infinity();
-            found[i] = search_lists(index, lists, rows, points[i], unknown, steps);
+            found[i] = find_closest(index, points[i], unknown);
             continue;
         }
         found[i] = {};

@@ -7,6 +7,7 @@
 #include "proxima/closest_feature.h"
 #include "query/batch_size.h"
 #include "query/closest/describe_closest.h"
+#include "query/closest/find_closest.h"
 
 #include <algorithm>
 #include <array>
@@ -150,7 +151,7 @@ private:
             const double known = last_distance_ + chunk_.index.unscale() * step;
             const double bound = known >= 0 ? known : std::numeric_limits<double>::infinity();
             if (flight.query.begin(chunk_.index, flight.p, bound) == QueryStart::near) return true;
-            take(flight.position, flight.p, search_index(chunk_.index, rows_, flight.p, bound));
+            take(flight.position, flight.p, find_closest(chunk_.index, flight.p, bound));
         }
         return false;
     }

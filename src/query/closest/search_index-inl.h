@@ -362,11 +362,11 @@ HWY_NOINLINE inline RowDistance search_from_afar(const IndexParts& index,
 /// The closest feature of the index's rows by the order of answers. `known`: in the mesh's unit,
 /// some point of the mesh is no farther, up to rounding of coordinates, or nothing farther is
 /// wanted; infinite where there is no such bound. What is beyond it may or may not be found.
-/// Finds nothing where p is not finite.
+/// Finds nothing where p is not finite. Called, not copied: it is long, and a call is nothing beside it.
 template <class Scalar>
-HWY_INLINE RowDistance search_index(const IndexParts& index,
-                                    std::span<const TriangleRow<Scalar>> rows, const Vec3& p,
-                                    double known)
+HWY_NOINLINE inline RowDistance search_index(const IndexParts& index,
+                                             std::span<const TriangleRow<Scalar>> rows,
+                                             const Vec3& p, double known)
 {
     IndexQuery query;
     switch (query.begin(index, p, known)) {

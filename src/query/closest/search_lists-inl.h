@@ -108,9 +108,9 @@ void search_run(const IndexParts& index, const ProximityLists& lists,
 
 /// As search_index: by the lists where p is in their root and its leaf has one.
 template <class Scalar>
-HWY_INLINE RowDistance search_lists(const IndexParts& index, const ProximityLists& lists,
-                                    std::span<const TriangleRow<Scalar>> rows, const Vec3& p,
-                                    double known, QuerySteps& steps)
+HWY_NOINLINE inline RowDistance search_lists(const IndexParts& index, const ProximityLists& lists,
+                                             std::span<const TriangleRow<Scalar>> rows,
+                                             const Vec3& p, double known, QuerySteps& steps)
 {
     RowDistance best;
     const Vec3 frame_p = lists.frame().to_frame(p);

@@ -3,13 +3,14 @@
 #include "base/parallel.h"
 #include "base/progress.h"
 #include "base/text.h"
-#include "index/refit_tree.h"
 #include "proxima/scene.h"
 #include "query/scene/instance_box.h"
 #include "query/scene/scene_parts.h"
+#include "query/scene/scene_tree.h"
 
 #include <algorithm>
 #include <atomic>
+#include <bit>
 #include <utility>
 
 namespace proxima {
@@ -31,100 +32,104 @@ const char* pose_problem(const RigidTransform& pose) noexcept
     return nullptr;
 }
 
-/// Where instances are: boxes by instance, empty for empty shapes.
-class PlacedBoxes {
-public:
-    explicit PlacedBoxes(std::size_t count) : boxes_(count) {}
+bool same_bits(const RigidTransform& a, const RigidTransform& b) noexcept
+{
+    const auto bits = [](const double* numbers, std::size_t i) {
+        return std::bit_cast<std::uint64_t>(numbers[i]);
+    };
+    std::uint64_t different = 0;
+    for (std::size_t i = 0; i < 9; ++i)
+        different |= bits(a.rotation.data(), i) ^ bits(b.rotation.data(), i);
+    for (std::size_t i = 0; i < 3; ++i)
+        different |= bits(a.translation.data(), i) ^ bits(b.translation.data(), i);
+    return different == 0;
+}
 
-    /// place(i) is the i-th instance. Errors: invalid_argument naming the first one that is wrong,
-    /// cancelled.
-    template <class InstanceAt>
-    Status place(const std::vector<InstancedShape>& shapes, const InstanceAt& instance_at,
-                 const Execution& execution)
-    {
-        begin_stage(execution.progress, "placing instances", boxes_.size());
-        std::atomic<std::size_t> wrong = boxes_.size();
-        parallel_chunks(boxes_.size(), instances_per_task, execution.threads,
-                        [&](std::size_t first, std::size_t end) {
-                            if (is_cancelled(execution.progress)) return;
-                            for (std::size_t i = first; i < end; ++i) {
-                                if (place_one(shapes, instance_at(i), boxes_[i]) == nullptr)
-                                    continue;
-                                std::size_t now = wrong;
-                                while (i < now && !wrong.compare_exchange_weak(now, i)) {
-                                }
-                                break;
-                            }
-                            advance_stage(execution.progress, end - first);
-                        });
-        if (is_cancelled(execution.progress)) return cancelled("placing instances");
-        if (wrong == boxes_.size()) return {};
-        return fail(ErrorCode::invalid_argument,
-                    place_one(shapes, instance_at(wrong), boxes_[wrong]),
-                    concat("instance ", wrong.load()));
-    }
+/// Sets the box of an instance, empty for an empty shape. Why there is none; null where there is one.
+const char* place(const std::vector<InstancedShape>& shapes, const Instance& instance,
+                  Box& box) noexcept
+{
+    if (instance.shape >= shapes.size()) return "its shape is not one of the scene's indexes";
+    if (const char* const problem = pose_problem(instance.pose); problem != nullptr) return problem;
+    const InstancedShape& shape = shapes[instance.shape];
+    if (shape.boxes.empty()) return nullptr;
+    box = instance_box(shape, instance.pose);
+    const bool fits = (box.lower.array() >= -max_scene_coordinate).all() &&
+                      (box.upper.array() <= max_scene_coordinate).all() &&
+                      instance.pose.translation.cwiseAbs().maxCoeff() <= max_scene_coordinate &&
+                      shape.reach <= max_scene_coordinate;
+    return fits ? nullptr : "it reaches beyond 2^500: scale the models or move them nearer";
+}
 
-    [[nodiscard]] const std::vector<Box>& boxes() const noexcept { return boxes_; }
+/// Calls place_range(first, end, refuse) in parallel for all of [0, count); refuse(instance) says that this one is wrong.
+/// Errors: invalid_argument with why(instance) for the lowest of these, cancelled.
+template <class PlaceRange, class Why>
+Status place_all(std::size_t count, const Execution& execution, const PlaceRange& place_range,
+                 const Why& why)
+{
+    begin_stage(execution.progress, "placing instances", count);
+    std::atomic<std::size_t> wrong = count;
+    const auto refuse = [&](std::size_t instance) {
+        std::size_t now = wrong;
+        while (instance < now && !wrong.compare_exchange_weak(now, instance)) {
+        }
+    };
+    parallel_chunks(count, instances_per_task, execution.threads,
+                    [&](std::size_t first, std::size_t end) {
+                        if (is_cancelled(execution.progress)) return;
+                        place_range(first, end, refuse);
+                        advance_stage(execution.progress, end - first);
+                    });
+    if (is_cancelled(execution.progress)) return cancelled("placing instances");
+    if (wrong == count) return {};
+    return fail(ErrorCode::invalid_argument, why(wrong.load()), concat("instance ", wrong.load()));
+}
 
-private:
-    static const char* place_one(const std::vector<InstancedShape>& shapes,
-                                 const Instance& instance, Box& box) noexcept
-    {
-        if (instance.shape >= shapes.size()) return "its shape is not one of the scene's indexes";
-        if (const char* const problem = pose_problem(instance.pose); problem != nullptr)
-            return problem;
-        const InstancedShape& shape = shapes[instance.shape];
-        if (shape.boxes.empty()) return nullptr;
-        box = instance_box(shape, instance.pose);
-        const bool fits = (box.lower.array() >= -max_scene_coordinate).all() &&
-                          (box.upper.array() <= max_scene_coordinate).all() &&
-                          pose_fits(instance.pose) && shape.reach <= max_scene_coordinate;
-        return fits ? nullptr : "it reaches beyond 2^500: scale the models or move them nearer";
-    }
-    static bool pose_fits(const RigidTransform& pose) noexcept
-    {
-        return pose.translation.cwiseAbs().maxCoeff() <= max_scene_coordinate;
-    }
-
-    std::vector<Box> boxes_;
-};
-
-/// The diagonals of boxes that are not empty, as triangles of two corners, drawn out by the tree's margin. One
-/// of its units is at most the extent.
+/// The diagonals of boxes that are not empty, as triangles of two corners.
 TriangleMesh diagonals_of(std::span<const Box> boxes)
 {
     std::vector<Vec3> positions;
     std::vector<TriangleCorners> triangles;
     positions.reserve(2 * boxes.size());
     triangles.reserve(boxes.size());
-    Box all;
-    for (const Box& box : boxes) {
-        all.extend(box.lower);
-        all.extend(box.upper);
-    }
-    const Vec3 margin = Vec3::Constant(scene_tree_margin * all.extent().maxCoeff());
     for (const Box& box : boxes) {
         const auto lower = static_cast<std::uint32_t>(positions.size());
-        positions.push_back(box.lower - margin);
-        positions.push_back(box.upper + margin);
+        positions.push_back(box.lower);
+        positions.push_back(box.upper);
         triangles.push_back({lower, lower + 1, lower + 1});
     }
     return make_triangle_mesh(std::move(positions), std::move(triangles)).value();
 }
 
-void set_box(SceneParts& parts, std::size_t row, const Box& box) noexcept
+/// Sets the tree about the rows, the first `full` of which have boxes, and what the scene knows of all of them. Error
+/// cancelled.
+Status finish_scene(SceneParts& parts, const IndexParts& order, std::size_t full,
+                    const Execution& execution)
 {
-    parts.rows[row].box = box;
-    if (box.empty()) return;
-    parts.largest_extent = std::max(parts.largest_extent, 2 * box.extent().maxCoeff());
-    parts.reach =
-        std::max({parts.reach, box.lower.cwiseAbs().maxCoeff(), box.upper.cwiseAbs().maxCoeff()});
+    Box all;
+    double largest = 0;
+    const std::span<const SceneRow> rows = std::span(parts.rows).first(full);
+    for (const SceneRow& row : rows) {
+        all.lower = all.lower.cwiseMin(row.box.lower);
+        all.upper = all.upper.cwiseMax(row.box.upper);
+        largest = std::max(largest, row.box.extent().maxCoeff());
+    }
+    parts.largest_extent = 2 * largest;
+    parts.reach = 0;
+    if (full == 0) return {};
+    parts.reach = std::max(all.lower.cwiseAbs().maxCoeff(), all.upper.cwiseAbs().maxCoeff());
+    begin_stage(execution.progress, "drawing boxes", 1);
+    auto tree = tree_about(order, rows, all, execution);
+    if (!tree) return cancelled("drawing boxes");
+    parts.tree = *std::move(tree);
+    advance_stage(execution.progress, 1);
+    return {};
 }
 
 Status check_scene_budget(std::size_t instances, std::size_t shapes, const Execution& execution)
 {
     constexpr std::uint64_t shape_bytes =
-        sizeof(InstancedShape) + most_shape_boxes * sizeof(ShapeBox);
+        sizeof(InstancedShape) + most_shape_boxes / 8 * sizeof(ShapeBoxes);
     return check_budget(execution.budget, scene_bytes_each * instances + shape_bytes * shapes,
                         "the scene", "take fewer instances or shapes, or raise the budget");
 }
@@ -228,7 +233,7 @@ std::uint64_t Scene::bytes() const noexcept
     const std::size_t each = sizeof(SceneRow) + sizeof(RigidTransform) + sizeof(std::uint32_t);
     std::uint64_t bytes = parts_->tree.bytes() + each * parts_->rows.size();
     for (const InstancedShape& shape : *parts_->shapes)
-        bytes += sizeof(InstancedShape) + shape.boxes.capacity() * sizeof(ShapeBox);
+        bytes += sizeof(InstancedShape) + shape.boxes.capacity() * sizeof(ShapeBoxes);
     return bytes;
 }
 
@@ -251,12 +256,15 @@ Result<Scene> build_scene(std::span<const MeshIndex> shapes, std::span<const Ins
         advance_stage(execution.progress, 1);
     });
     if (is_cancelled(execution.progress)) return cancelled("measuring shapes");
-    PlacedBoxes placed(instances.size());
-    if (Status status = placed.place(
-            made, [&](std::size_t i) -> const Instance& { return instances[i]; }, execution);
-        !status)
-        return tl::unexpected(status.error());
-    const std::vector<Box>& boxes = placed.boxes();
+    std::vector<Box> boxes(instances.size()); // by instance
+    const Status placed = place_all(
+        instances.size(), execution,
+        [&](std::size_t first, std::size_t end, const auto& refuse) {
+            for (std::size_t i = first; i < end; ++i)
+                if (place(made, instances[i], boxes[i]) != nullptr) return refuse(i);
+        },
+        [&](std::size_t i) { return place(made, instances[i], boxes[i]); });
+    if (!placed) return tl::unexpected(placed.error());
     std::vector<std::uint32_t> ids; // of instances that have a box, then of the others
     std::vector<Box> full;
     for (std::uint32_t i = 0; i < boxes.size(); ++i) {
@@ -264,26 +272,28 @@ Result<Scene> build_scene(std::span<const MeshIndex> shapes, std::span<const Ins
         ids.push_back(i);
         full.push_back(boxes[i]);
     }
+    MeshIndex order;
     if (!full.empty()) {
         auto tree = build_mesh_index(diagonals_of(full), {.execution = execution});
         if (!tree) return tl::unexpected(tree.error());
-        parts->tree = *tree;
+        order = *tree;
     }
     std::vector<std::uint32_t> row_of(instances.size());
     parts->rows.resize(instances.size());
     parts->poses.resize(instances.size());
     const auto put = [&](std::uint32_t row, std::uint32_t id) {
         row_of[id] = row;
-        parts->rows[row] = {{}, instances[id].layers, id, instances[id].shape};
+        parts->rows[row] = {boxes[id], instances[id].layers, id, instances[id].shape};
         parts->poses[row] = instances[id].pose;
-        set_box(*parts, row, boxes[id]);
     };
     std::uint32_t row = 0;
-    for (const TriangleId at : parts->tree.ids()) put(row++, ids[to_index(at)]);
+    for (const TriangleId at : order.ids()) put(row++, ids[to_index(at)]);
     for (std::uint32_t i = 0; i < boxes.size(); ++i)
         if (boxes[i].empty()) put(row++, i);
     parts->shapes = std::make_shared<const std::vector<InstancedShape>>(std::move(made));
     parts->row_of = std::make_shared<const std::vector<std::uint32_t>>(std::move(row_of));
+    if (Status status = finish_scene(*parts, order.parts(), full.size(), execution); !status)
+        return tl::unexpected(status.error());
     return Scene(std::move(parts));
 }
 
@@ -299,30 +309,37 @@ Result<Scene> move_instances(const Scene& scene, std::span<const RigidTransform>
     }
     if (Status status = check_scene_budget(poses.size(), 0, execution); !status)
         return tl::unexpected(status.error());
-    auto parts = std::make_shared<SceneParts>(old);
-    parts->largest_extent = 0;
-    parts->reach = 0;
-    PlacedBoxes placed(poses.size());
-    const auto instance_at = [&](std::size_t i) {
-        const SceneRow& row = old.rows[(*old.row_of)[i]];
-        return Instance{row.shape, poses[i], row.layers};
+    auto parts = std::make_shared<SceneParts>();
+    parts->shapes = old.shapes;
+    parts->row_of = old.row_of;
+    parts->rows.resize(old.rows.size());
+    parts->poses.resize(old.rows.size());
+    const auto instance_of = [&](const SceneRow& row) {
+        return Instance{row.shape, poses[row.instance], row.layers};
     };
-    if (Status status = placed.place(*old.shapes, instance_at, execution); !status)
+    const Status placed = place_all(
+        old.rows.size(), execution,
+        [&](std::size_t first, std::size_t end, const auto& refuse) {
+            for (std::size_t i = first; i < end; ++i) {
+                // Rows are in the tree's order, poses are not.
+                const auto ahead = old.rows[std::min(i + 8, end - 1)].instance;
+                __builtin_prefetch(&poses[ahead].rotation);
+                __builtin_prefetch(&poses[ahead].translation);
+                SceneRow& row = parts->rows[i];
+                row = old.rows[i];
+                const RigidTransform& pose = poses[row.instance];
+                parts->poses[i] = pose;
+                if (same_bits(pose, old.poses[i])) continue; // nor has its box moved
+                if (place(*old.shapes, instance_of(row), row.box) != nullptr) refuse(row.instance);
+            }
+        },
+        [&](std::size_t id) {
+            Box box;
+            return place(*old.shapes, instance_of(old.rows[(*old.row_of)[id]]), box);
+        });
+    if (!placed) return tl::unexpected(placed.error());
+    if (Status status = finish_scene(*parts, old.tree.parts(), old.tree_rows(), execution); !status)
         return tl::unexpected(status.error());
-    for (std::size_t row = 0; row < parts->rows.size(); ++row) {
-        const std::uint32_t id = parts->rows[row].instance;
-        parts->poses[row] = poses[id];
-        set_box(*parts, row, placed.boxes()[id]);
-    }
-    if (old.tree_rows() > 0) {
-        std::vector<Box> full(old.tree_rows()); // by the tree's triangles
-        for (std::uint32_t row = 0; row < old.tree_rows(); ++row)
-            full[to_index(old.tree.ids()[row])] = parts->rows[row].box;
-        auto tree =
-            refit_tree(old.tree.parts(), diagonals_of(full), execution.threads, execution.progress);
-        if (!tree) return tl::unexpected(tree.error());
-        parts->tree = make_mesh_index(std::move(*tree));
-    }
     return Scene(std::move(parts));
 }
 

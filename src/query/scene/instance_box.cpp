@@ -6,8 +6,56 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <span>
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "query/scene/instance_box.cpp"
+#include <hwy/foreach_target.h>
+#include <hwy/highway.h>
+
+HWY_BEFORE_NAMESPACE();
+namespace proxima::HWY_NAMESPACE {
+
+namespace hn = hwy::HWY_NAMESPACE;
+
+/// The box of all boxes, each turned. The same bits for any number of lanes.
+Box turned_box(std::span<const ShapeBoxes> boxes, const Mat3& rotation)
+{
+    const hn::CappedTag<double, 8> d;
+    Box all;
+    for (int axis = 0; axis < 3; ++axis) {
+        const auto x = hn::Set(d, rotation(axis, 0));
+        const auto y = hn::Set(d, rotation(axis, 1));
+        const auto z = hn::Set(d, rotation(axis, 2));
+        auto lower = hn::Set(d, all.lower[axis]);
+        auto upper = hn::Set(d, all.upper[axis]);
+        for (const ShapeBoxes& eight : boxes) {
+            for (std::size_t i = 0; i < 8; i += hn::Lanes(d)) {
+                const auto along = [&](const auto& by_axis, auto a, auto b, auto c) {
+                    return hn::Add(hn::Add(hn::Mul(a, hn::Load(d, by_axis[0].data() + i)),
+                                           hn::Mul(b, hn::Load(d, by_axis[1].data() + i))),
+                                   hn::Mul(c, hn::Load(d, by_axis[2].data() + i)));
+                };
+                const auto middle = along(eight.center, x, y, z);
+                const auto half = along(eight.half, hn::Abs(x), hn::Abs(y), hn::Abs(z));
+                lower = hn::Min(lower, hn::Sub(middle, half));
+                upper = hn::Max(upper, hn::Add(middle, half));
+            }
+        }
+        all.lower[axis] = hn::GetLane(hn::MinOfLanes(d, lower));
+        all.upper[axis] = hn::GetLane(hn::MaxOfLanes(d, upper));
+    }
+    return all;
+}
+
+} // namespace proxima::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
 
 namespace proxima {
+
+HWY_EXPORT(turned_box);
 
 namespace {
 
@@ -56,16 +104,11 @@ void open_block(const IndexParts& index, std::size_t at, std::vector<OpenBlock>&
     }
 }
 
-/// A ball about the middle of the boxes that has all corners.
-void set_ball(const IndexParts& index, Progress* progress, InstancedShape& shape)
+/// A ball about the middle of the box that has all corners.
+void set_ball(const IndexParts& index, const Box& all, Progress* progress, InstancedShape& shape)
 {
     constexpr std::uint32_t rows_between_looks = 65536;
 
-    Box all;
-    for (const ShapeBox& box : shape.boxes) {
-        all.extend(box.center - box.half);
-        all.extend(box.center + box.half);
-    }
     shape.center = all.center();
     double squared = 0; // in the index's units, where squares stay within the doubles
     for (std::uint32_t row = 0; row < index.triangle_count(); ++row) {
@@ -105,27 +148,29 @@ InstancedShape make_instanced_shape(const MeshIndex& index, Progress* progress)
         if (largest == open.size()) break;
         open_block(parts, largest, open);
     }
-    shape.boxes.reserve(open.size());
-    for (const OpenBlock& block : open) {
-        const Vec3 half = 0.5 * block.box.upper - 0.5 * block.box.lower;
-        shape.boxes.push_back({block.box.center(), half});
-        shape.reach = std::max(shape.reach, (block.box.center().cwiseAbs() + half).sum());
+    Box all;
+    shape.boxes.resize((open.size() + 7) / 8);
+    for (std::size_t i = 0; i < 8 * shape.boxes.size(); ++i) {
+        const Box& box = open[std::min(i, open.size() - 1)].box;
+        const Vec3 center = box.center();
+        const Vec3 half = 0.5 * box.upper - 0.5 * box.lower;
+        shape.reach = std::max(shape.reach, (center.cwiseAbs() + half).sum());
+        for (std::size_t axis = 0; axis < 3; ++axis) {
+            const auto k = static_cast<Eigen::Index>(axis);
+            shape.boxes[i / 8].center[axis][i % 8] = center[k];
+            shape.boxes[i / 8].half[axis][i % 8] = half[k];
+        }
+        all.extend(center - half);
+        all.extend(center + half);
     }
-    set_ball(parts, progress, shape);
+    set_ball(parts, all, progress, shape);
     return shape;
 }
 
 Box instance_box(const InstancedShape& shape, const RigidTransform& pose) noexcept
 {
     const Mat3& r = pose.rotation;
-    const Mat3 sizes = r.cwiseAbs();
-    Box box;
-    for (const ShapeBox& part : shape.boxes) {
-        const Vec3 center = r * part.center;
-        const Vec3 half = sizes * part.half;
-        box.lower = box.lower.cwiseMin(center - half);
-        box.upper = box.upper.cwiseMax(center + half);
-    }
+    Box box = HWY_DYNAMIC_DISPATCH(turned_box)(shape.boxes, r);
     const Vec3 middle = r * shape.center;
     box.lower = box.lower.cwiseMax((middle.array() - shape.radius).matrix());
     box.upper = box.upper.cwiseMin((middle.array() + shape.radius).matrix());
@@ -140,3 +185,5 @@ Box instance_box(const InstancedShape& shape, const RigidTransform& pose) noexce
 }
 
 } // namespace proxima
+
+#endif

@@ -1,7 +1,8 @@
 // What a scene holds: instances in the order of a tree over their boxes.
 //
-//     tree     a mesh index of segments, for each instance the diagonal of its box: the octree's cells,
-//              boxes eight at a time, built, refitted and walked as those of meshes
+//     tree     the blocks of a mesh index of segments, for each instance the diagonal of its box: the
+//              octree's cells, boxes eight at a time, walked as those of meshes. Its leaves name rows
+//              of the scene; it has no triangles (scene_tree.h)
 //     rows     by row of the tree, then instances of empty indexes: the box, whose instance it is
 //     poses    by row
 //     row_of   by instance
@@ -22,6 +23,7 @@
 #include "proxima/geometry.h"
 #include "proxima/scene.h"
 
+#include <array>
 #include <cstdint>
 #include <memory>
 #include <vector>
@@ -35,18 +37,19 @@ inline constexpr double scene_roundoff = 0x1p-46;
 /// ray whose walk is in floats.
 inline constexpr double scene_tree_margin = 0x1p-23;
 
-/// Boxes of a shape's parts, by centre and half size.
-struct ShapeBox {
-    Vec3 center;
-    Vec3 half;
+/// Eight boxes of a shape's parts, by axis: in lanes, for all are turned for each instance.
+struct alignas(64) ShapeBoxes {
+    std::array<std::array<double, 8>, 3> center;
+    std::array<std::array<double, 8>, 3> half;
 };
 
 /// An index as instances share it.
 struct InstancedShape {
     MeshIndex index;
-    std::vector<ShapeBox> boxes; ///< all triangles are in one of them; none of an empty index
-    double reach = 0;            ///< P
-    Vec3 center = Vec3::Zero();  ///< of a ball about all corners
+    /// All triangles are in one of them; none of an empty index. The last one is there as often as fills an eight.
+    std::vector<ShapeBoxes> boxes;
+    double reach = 0;           ///< P
+    Vec3 center = Vec3::Zero(); ///< of a ball about all corners
     double radius = 0;
 };
 

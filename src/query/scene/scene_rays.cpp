@@ -1,8 +1,10 @@
+#include "base/memory_budget.h"
 #include "base/parallel.h"
 #include "base/progress.h"
 #include "base/text.h"
 #include "proxima/scene.h"
 #include "query/batch_size.h"
+#include "query/scene/found_lists.h"
 #include "query/scene/scene_parts.h"
 #include "query/scene/scene_ray.h"
 
@@ -112,6 +114,45 @@ Status closest_hits(const Scene& scene, std::span<const Ray> rays,
 {
     return for_rays(rays, hits.size(), options.execution,
                     [&](std::size_t i) { hits[i] = closest_hit(scene, rays[i], options); });
+}
+
+Status any_hits(const Scene& scene, std::span<const Ray> rays, std::span<bool> hits,
+                const SceneRayOptions& options)
+{
+    return for_rays(rays, hits.size(), options.execution,
+                    [&](std::size_t i) { hits[i] = any_hit(scene, rays[i], options); });
+}
+
+Result<SceneHitLists> all_hits(const Scene& scene, std::span<const Ray> rays,
+                               const SceneRayOptions& options)
+{
+    const Execution& execution = options.execution;
+    const std::size_t tasks = chunk_count(rays.size(), scene_rays_per_task);
+    const std::uint64_t taken = (rays.size() + 1) * sizeof(std::size_t);
+    const std::uint64_t needed = taken + FoundLists<SceneHit>::bytes_of_tasks(tasks);
+    if (Status status = check_budget(execution.budget, needed, "the hits of rays",
+                                     "take fewer rays or raise the budget");
+        !status)
+        return tl::unexpected(status.error());
+    SceneHitLists lists;
+    lists.first.assign(rays.size() + 1, 0);
+    FoundLists<SceneHit> found(tasks, execution.budget, taken);
+    const Status status = for_rays(rays, rays.size(), execution, [&](std::size_t i) {
+        if (found.is_over()) return;
+        const std::vector<SceneHit> hits = all_hits(scene, rays[i], options);
+        lists.first[i + 1] = hits.size();
+        for (const SceneHit& hit : hits) found.add(i / scene_rays_per_task, hit);
+    });
+    if (!status) return tl::unexpected(status.error());
+    if (found.is_over()) {
+        return fail(ErrorCode::budget_exceeded,
+                    concat("there are more than ", found.most(),
+                           " hits, which the memory budget does not hold; take fewer rays, or "
+                           "raise the budget"));
+    }
+    for (std::size_t i = 0; i < rays.size(); ++i) lists.first[i + 1] += lists.first[i];
+    lists.hits = found.take();
+    return lists;
 }
 
 } // namespace proxima

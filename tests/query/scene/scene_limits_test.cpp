@@ -200,6 +200,11 @@ TEST(Scene, StopsOnRequest)
             return closest_hits(scene, rays, hits, {.execution = {.progress = &progress}});
         },
         always);
+    cancel_at_every_stage(
+        [&](Progress& progress) {
+            return all_hits(scene, rays, {.execution = {.progress = &progress}});
+        },
+        always);
     ASSERT_TRUE(closest_hits(scene, rays, hits, {.execution = {.progress = &whole}}));
     EXPECT_STREQ(whole.stage(), "casting rays");
     EXPECT_EQ(whole.fraction(), 1);

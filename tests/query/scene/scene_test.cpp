@@ -5,9 +5,11 @@
 #include "query/scene/scenes_one_by_one.h"
 
 #include <algorithm>
+#include <array>
 #include <chrono>
 #include <cstdio>
 #include <gtest/gtest.h>
+#include <memory>
 
 namespace proxima {
 namespace {
@@ -333,6 +335,11 @@ TEST(Scene, IsTheSameWithEveryInstructionSet)
         SceneGenerator random(seed);
         Found found;
         expect_truth(of, scene, random, 150, found);
+        const Scene own = build_scene(of.shapes, of.instances).value();
+        for (std::size_t i = 0; i < of.instances.size(); ++i) {
+            EXPECT_EQ(own.bounds(id_of(i)).lower, scene.bounds(id_of(i)).lower);
+            EXPECT_EQ(own.bounds(id_of(i)).upper, scene.bounds(id_of(i)).upper);
+        }
         restore_simd_targets();
         EXPECT_GT(found.rays, 40U);
     }
@@ -375,6 +382,47 @@ TEST(Scene, IsTheSameForAnyNumberOfThreads)
     const auto ranges = visible_ranges(one, half, {.execution = {.threads = {1}}}).value();
     EXPECT_GT(ranges.size(), 2000U);
     EXPECT_EQ(ranges, visible_ranges(many, half, {.execution = {.threads = {3}}}).value());
+}
+
+TEST(Scene, AnswersManyRaysLikeSingleOnes)
+{
+    constexpr std::uint64_t seed = 4;
+    const RandomScene of = many_instances(2000, seed);
+    const Scene scene = build_scene(of.shapes, of.instances).value();
+    SceneGenerator random(seed);
+    SceneQueries query(of, random);
+    std::vector<Ray> rays;
+    for (int i = 0; i < 1500; ++i) rays.push_back(query.ray());
+    for (const int threads : {1, 3}) {
+        const SceneRayOptions options = {
+            .faces = Faces::front, .layers = 5, .execution = {.threads = {threads}}};
+        const auto any = std::make_unique<bool[]>(rays.size());
+        ASSERT_TRUE(any_hits(scene, rays, {any.get(), rays.size()}, options));
+        const auto lists = all_hits(scene, rays, options);
+        ASSERT_TRUE(lists) << describe(lists.error());
+        ASSERT_EQ(lists->first.size(), rays.size() + 1);
+        std::vector<SceneHit> truth;
+        for (std::size_t i = 0; i < rays.size(); ++i) {
+            ASSERT_EQ(lists->first[i], truth.size());
+            const auto hits = all_hits(scene, rays[i], options);
+            ASSERT_EQ(any[i], !hits.empty()) << i;
+            truth.insert(truth.end(), hits.begin(), hits.end());
+        }
+        EXPECT_EQ(lists->first.back(), truth.size());
+        EXPECT_EQ(lists->hits, truth);
+        EXPECT_GT(truth.size(), rays.size() / 4);
+    }
+    EXPECT_EQ(all_hits(scene, std::span<const Ray>()).value().first, std::vector<std::size_t>{0});
+    EXPECT_EQ(all_hits(scene, rays, {.execution = {.budget = {20'000}}}).error().code,
+              ErrorCode::budget_exceeded);
+    EXPECT_EQ(all_hits(scene, rays, {.execution = {.budget = {1000}}}).error().code,
+              ErrorCode::budget_exceeded);
+    rays[7].direction.setZero();
+    const auto wrong = all_hits(scene, rays);
+    ASSERT_FALSE(wrong);
+    EXPECT_NE(wrong.error().message.find("ray 7"), std::string::npos) << wrong.error().message;
+    std::array<bool, 2> too_few{};
+    EXPECT_EQ(any_hits(scene, rays, too_few).error().code, ErrorCode::invalid_argument);
 }
 
 } // namespace

@@ -1,0 +1,120 @@
+#include "query/scene/scene_tree.h"
+
+#include "query/scene/scenes_one_by_one.h"
+
+#include <algorithm>
+#include <cstring>
+#include <gtest/gtest.h>
+
+namespace proxima {
+namespace {
+
+using namespace testing;
+
+/// Looks at all boxes of a scene's tree.
+class TreeWalk {
+public:
+    explicit TreeWalk(const SceneParts& scene) : scene_(scene), tree_(scene.tree.parts()) {}
+
+    /// The box of all rows below, in the tree's units, which every node's box must hold and not be much larger.
+    Box look_at(std::uint32_t reference)
+    {
+        ++blocks_;
+        const IndexBlock& block = tree_.blocks()[reference & ~index_leaf_bit];
+        Box all;
+        if ((reference & index_leaf_bit) != 0) {
+            for (std::uint32_t i = 0; i < block.leaf.count; ++i) {
+                const Box& box = scene_.rows[block.leaf.first_row + i].box;
+                EXPECT_FALSE(box.empty());
+                all.extend((box.lower - tree_.center()) * tree_.scale());
+                all.extend((box.upper - tree_.center()) * tree_.scale());
+                ++rows_;
+            }
+            return all;
+        }
+        std::vector<std::pair<std::size_t, Box>> children;
+        for (std::size_t slot = 0; slot < 8; ++slot) {
+            if (!block.node.has_child(slot)) continue;
+            children.emplace_back(slot, look_at(block.node.children[slot]));
+            all.extend(children.back().second.lower);
+            all.extend(children.back().second.upper);
+        }
+        for (const auto& [slot, box] : children) {
+            for (std::size_t axis = 0; axis < 3; ++axis) {
+                const auto k = static_cast<Eigen::Index>(axis);
+                const double lower = block.node.plane(axis, slot);
+                const double upper = block.node.plane(axis, 8 + slot);
+                // Planes are on a grid of 253 steps.
+                const double slack = 0.02 * all.extent()[k] + 1e-5;
+                EXPECT_TRUE(lower <= box.lower[k] && lower > box.lower[k] - slack);
+                EXPECT_TRUE(upper >= box.upper[k] && upper < box.upper[k] + slack);
+            }
+        }
+        return all;
+    }
+    [[nodiscard]] std::size_t rows() const { return rows_; }
+    [[nodiscard]] std::size_t blocks() const { return blocks_; }
+
+private:
+    const SceneParts& scene_;
+    const IndexParts& tree_;
+    std::size_t rows_ = 0;
+    std::size_t blocks_ = 0;
+};
+
+void expect_tight_boxes(const Scene& scene)
+{
+    const SceneParts& parts = scene.parts();
+    if (parts.tree_rows() == 0) return;
+    TreeWalk walk(parts);
+    const Box all = walk.look_at(parts.tree.parts().root());
+    EXPECT_EQ(walk.rows(), parts.tree_rows());
+    // Block 0 is the empty leaf: all others are in the tree, and were written.
+    EXPECT_EQ(walk.blocks() + 1, parts.tree.parts().blocks().size());
+    EXPECT_TRUE(all.lower.minCoeff() >= -1 && all.upper.maxCoeff() <= 1);
+}
+
+void expect_same_tree(const Scene& a, const Scene& b)
+{
+    const auto blocks = a.parts().tree.parts().blocks();
+    const auto others = b.parts().tree.parts().blocks();
+    ASSERT_EQ(blocks.size(), others.size());
+    EXPECT_EQ(std::memcmp(blocks.data(), others.data(), blocks.size_bytes()), 0);
+}
+
+TEST(SceneTree, HasTightBoxesWhereverInstancesMove)
+{
+    for (std::uint64_t seed = 1; seed <= 60; ++seed) {
+        SCOPED_TRACE(::testing::Message() << "seed " << seed);
+        SceneGenerator random(seed);
+        RandomScene of = random(seed % 5 == 0 ? 3000 : 1 + random.below(60));
+        Scene scene = build_scene(of.shapes, of.instances).value();
+        expect_tight_boxes(scene);
+        for (int step = 0; step < 3; ++step) {
+            std::vector<RigidTransform> poses;
+            for (Instance& instance : of.instances) {
+                if (step == 0 || random.below(20) == 0)
+                    instance.pose.translation = of.center + of.size * random.vector();
+                poses.push_back(instance.pose);
+            }
+            const Scene one = move_instances(scene, poses, {{.threads = {1}}}).value();
+            scene = move_instances(scene, poses, {{.threads = {3}}}).value();
+            expect_tight_boxes(scene);
+            expect_same_tree(one, scene);
+            if (HasFailure()) return;
+        }
+    }
+}
+
+TEST(SceneTree, IsThatOfANewSceneWhereNothingMoved)
+{
+    const RandomScene of = SceneGenerator(11)(500);
+    const Scene scene = build_scene(of.shapes, of.instances).value();
+    std::vector<RigidTransform> poses;
+    for (const Instance& instance : of.instances) poses.push_back(instance.pose);
+    expect_same_tree(scene, move_instances(scene, poses).value());
+    EXPECT_EQ(scene.bytes(), move_instances(scene, poses).value().bytes());
+}
+
+} // namespace
+} // namespace proxima
