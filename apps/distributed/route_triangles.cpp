@@ -1,6 +1,5 @@
 #include "distributed/route_triangles.h"
 
-#include "distributed/routed_forest.h"
 #include "octree/coarse_bins.h"
 
 #include <algorithm>
@@ -12,6 +11,7 @@ namespace {
 struct RoutedTriangle {
     std::uint64_t id = 0;
     TriangleCorners corners = {}; ///< among the vertices of the same sender
+    std::uint32_t is_counted = 0; ///< 1 on the first rank that the triangle goes to
 };
 
 using Position = std::array<double, 3>;
@@ -72,7 +72,8 @@ struct Messages {
 
 /// The triangles of one rank, with the vertices that they use.
 void pack(const MeshSlice& slice, const std::vector<std::uint32_t>& ids,
-          std::vector<RoutedTriangle>& triangles, std::vector<Position>& vertices)
+          std::vector<bool>& is_packed, std::vector<RoutedTriangle>& triangles,
+          std::vector<Position>& vertices)
 {
     std::vector<std::uint32_t> used;
     for (const std::uint32_t id : ids) {
@@ -88,6 +89,8 @@ void pack(const MeshSlice& slice, const std::vector<std::uint32_t>& ids,
     for (const std::uint32_t id : ids) {
         RoutedTriangle& triangle = triangles.emplace_back();
         triangle.id = slice.first_triangle + id;
+        triangle.is_counted = is_packed[id] ? 0 : 1;
+        is_packed[id] = true;
         for (std::size_t k = 0; k < 3; ++k) {
             const auto at = std::ranges::lower_bound(used, slice.mesh.triangles()[id][k]);
             triangle.corners[k] = static_cast<std::uint32_t>(at - used.begin());
@@ -107,10 +110,11 @@ Messages pack_all(const MeshSlice& slice, const CoarseBins& bins, const RoutedFo
     }
     Messages messages{std::vector<std::vector<RoutedTriangle>>(ranks),
                       std::vector<std::vector<Position>>(ranks)};
+    std::vector<bool> is_packed(slice.mesh.triangle_count());
     for (std::size_t r = 0; r < ranks; ++r) {
         std::ranges::sort(ids[r]);
         ids[r].erase(std::unique(ids[r].begin(), ids[r].end()), ids[r].end());
-        pack(slice, ids[r], messages.triangles[r], messages.vertices[r]);
+        pack(slice, ids[r], is_packed, messages.triangles[r], messages.vertices[r]);
         std::vector<std::uint32_t>().swap(ids[r]);
     }
     return messages;
@@ -130,6 +134,7 @@ Status unpack(const Received<RoutedTriangle>& triangles, const Received<Position
         for (std::size_t i = triangles.first[r]; i < triangles.first[r + 1]; ++i) {
             const RoutedTriangle& triangle = triangles.items[i];
             part.triangles.push_back(triangle.id);
+            part.is_counted.push_back(triangle.is_counted != 0);
             corners.push_back({triangle.corners[0] + shift, triangle.corners[1] + shift,
                                triangle.corners[2] + shift});
         }
@@ -169,13 +174,13 @@ Result<RoutedPart> route_triangles(MeshSlice slice, const OctreeFrame& frame,
         return {};
     });
     if (!status) return tl::unexpected(status.error());
-    RoutedForest forest;
-    status = forest.build(counts, options.threshold, world);
+    auto forest = std::make_unique<RoutedForest>();
+    status = forest->build(counts, options.threshold, world);
     if (!status) return tl::unexpected(status.error());
 
     Messages messages;
     status = world.agree_on([&]() -> Status {
-        messages = pack_all(slice, bins, forest, static_cast<std::size_t>(world.size()));
+        messages = pack_all(slice, bins, *forest, static_cast<std::size_t>(world.size()));
         slice = MeshSlice{};
         bins = CoarseBins{};
         return {};
@@ -191,10 +196,11 @@ Result<RoutedPart> route_triangles(MeshSlice slice, const OctreeFrame& frame,
         if (!unpacked) return unpacked;
         *triangles = {};
         *vertices = {};
-        part.keys = forest.cells();
+        part.keys = forest->cells();
         return list_triangles(frame, routing_depth, part);
     });
     if (!status) return tl::unexpected(status.error());
+    part.forest = std::move(forest);
     return part;
 }
 

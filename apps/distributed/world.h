@@ -1,6 +1,7 @@
 // All processes of a run: what one of them cannot do ends the work of all, with one message.
 #pragma once
 
+#include "base/progress.h"
 #include "base/text.h"
 #include "proxima/result.h"
 
@@ -9,6 +10,7 @@
 #include <limits>
 #include <mpi.h>
 #include <new>
+#include <span>
 #include <type_traits>
 #include <utility>
 #include <vector>
@@ -22,8 +24,8 @@ struct Received {
     std::vector<std::size_t> first;
 };
 
-/// The ranks of MPI_COMM_WORLD. Every member function but rank(), size() and sent_bytes() is
-/// collective: all ranks call it in the same order.
+/// The ranks of MPI_COMM_WORLD. Every member function but rank(), size(), progress() and
+/// sent_bytes() is collective: all ranks call it in the same order.
 class World {
 public:
     World();
@@ -31,7 +33,10 @@ public:
     [[nodiscard]] int rank() const noexcept { return rank_; }
     [[nodiscard]] int size() const noexcept { return size_; }
 
-    /// Bytes that this rank sent to others by exchange().
+    /// This rank's work. What cancels it on one rank stops all at the next agreement.
+    [[nodiscard]] Progress& progress() noexcept { return progress_; }
+
+    /// Bytes that this rank sent to others by exchange(), all_gather() and sums of many numbers.
     [[nodiscard]] std::uint64_t sent_bytes() const noexcept { return sent_bytes_; }
 
     /// On all ranks, the error of the lowest rank that has one.
@@ -50,6 +55,7 @@ public:
                           concat("memory ran out on rank ", rank_, " of ", size_,
                                  ": use more machines, or fewer ranks on each"));
         }
+        if (status && progress_.cancelled()) status = cancelled("the work");
         return agree(status);
     }
 
@@ -60,6 +66,32 @@ public:
         static_assert(std::is_trivially_copyable_v<T>);
         return exchange_items<T>(outgoing);
     }
+
+    /// The items of all ranks, on all ranks.
+    template <class T>
+    [[nodiscard]] Result<Received<T>> all_gather(const std::vector<T>& items)
+    {
+        std::vector<std::vector<T>> outgoing;
+        const Status status = agree_on([&]() -> Status {
+            outgoing.assign(static_cast<std::size_t>(size_), items);
+            return {};
+        });
+        if (!status) return tl::unexpected(status.error());
+        return exchange(std::move(outgoing));
+    }
+
+    /// Everything from all ranks, on rank 0; nothing elsewhere.
+    template <class T>
+    [[nodiscard]] Result<Received<T>> collect(std::vector<T> items)
+    {
+        std::vector<std::vector<T>> outgoing(static_cast<std::size_t>(size_));
+        outgoing[0] = std::move(items);
+        return exchange(std::move(outgoing));
+    }
+
+    /// Replaces numbers by their sums over the ranks, the same bits on all of them.
+    void sum(std::span<std::int64_t> values);
+    void sum(std::span<double> values);
 
     [[nodiscard]] std::uint64_t sum(std::uint64_t value) const;
     [[nodiscard]] std::uint64_t max(std::uint64_t value) const;
@@ -123,6 +155,7 @@ private:
     int rank_ = 0;
     int size_ = 1;
     std::uint64_t sent_bytes_ = 0;
+    Progress progress_;
 };
 
 } // namespace proxima

@@ -1,4 +1,5 @@
 """proxima-mpi on 1 to 4 ranks: the octree is that of one process, and what cannot be done ends all ranks with one message."""
+import math
 import os
 import random
 import struct
@@ -9,6 +10,7 @@ from pathlib import Path
 
 PROXIMA, PROGRAM, MPIRUN = (os.environ[name] for name in ("PROXIMA", "PROXIMA_MPI", "MPIRUN"))
 SECONDS = 200
+SURFACES = int(os.environ.get("SURFACES", "12"))
 
 
 def run(ranks, *arguments):
@@ -36,6 +38,58 @@ def nasty_mesh(seed):
     return positions, [[chance.randrange(len(positions)) for _ in range(3)] for _ in range(count)]
 
 
+def shell(chance, center, radius, rows):
+    """A closed surface of rings and two poles, each vertex a little off the sphere."""
+    positions = [[center[0], center[1], center[2] - radius], [center[0], center[1], center[2] + radius]]
+    for i in range(1, rows):
+        for j in range(rows):
+            polar, around = math.pi * i / rows, 2 * math.pi * j / rows
+            at = radius * chance.uniform(0.9, 1)
+            positions.append([center[0] + at * math.sin(polar) * math.cos(around), center[1] + at * math.sin(polar) * math.sin(around),
+                              center[2] - at * math.cos(polar)])
+    triangles = []
+    for j in range(rows):
+        following = (j + 1) % rows
+        triangles.append([0, 2 + following, 2 + j])
+        last = 2 + (rows - 2) * rows
+        triangles.append([1, last + j, last + following])
+        for i in range(rows - 2):
+            low, high = 2 + i * rows, 2 + (i + 1) * rows
+            triangles += [[low + j, low + following, high + following], [low + j, high + following, high + j]]
+    return positions, triangles
+
+
+def surfaces(seed):
+    """Shells within and across each other; from odd seeds on with holes, flips and repeats, from others with welds undone."""
+    chance = random.Random(seed)
+    positions, triangles = [], []
+    for _ in range(chance.randrange(1, 5)):
+        some, corners = shell(chance, [chance.uniform(-1, 1) for _ in range(3)], chance.uniform(0.2, 2), chance.randrange(3, 9))
+        if chance.random() < 0.3:
+            corners = [[a, c, b] for a, b, c in corners]
+        triangles += [[corner + len(positions) for corner in three] for three in corners]
+        positions += some
+    if seed % 2:
+        for _ in range(chance.randrange(1, 12)):
+            at = chance.randrange(len(triangles))
+            kind = chance.randrange(4)
+            if kind < 2:
+                del triangles[at:at + chance.randrange(1, 4)]
+            elif kind == 2:
+                triangles.append(triangles[at])
+            else:
+                triangles[at] = triangles[at][::-1]
+            if not triangles:
+                return surfaces(seed + 1000)
+    if seed % 3 == 0:
+        positions, triangles = ([positions[corner] for three in triangles for corner in three],
+                                [[3 * i, 3 * i + 1, 3 * i + 2] for i in range(len(triangles))])
+    if seed % 4 < 2:
+        chance.shuffle(triangles)
+    positions.insert(0, list(positions[triangles[0][0]]))  # unused, and where another vertex is
+    return positions, [[corner + 1 for corner in three] for three in triangles]
+
+
 class DistributedTest(unittest.TestCase):
     def setUp(self):
         folder = tempfile.TemporaryDirectory()
@@ -53,7 +107,7 @@ class Octree(DistributedTest):
         for count in ranks:
             result = run(count, "octree", model, *options, "--verify")
             self.assertEqual(result.returncode, 0, f"{model} on {count} ranks: {result.stderr}")
-            self.assertIn("Leaves and lists are those of one process.", result.stdout)
+            self.assertIn("Leaves, lists and classes are those of one process.", result.stdout)
         return result.stdout
 
     def test_torus(self):
@@ -73,6 +127,12 @@ class Octree(DistributedTest):
         for seed in range(6):
             path = self.file(f"nasty_{seed}.ply", ply(*nasty_mesh(seed)))
             self.expect_same(path, "--depth", 4 + seed % 2, "--threshold", seed, "--routing-depth", 1 + seed, ranks=(1 + seed % 4, 4))
+
+    def test_closed_and_open_surfaces(self):
+        for seed in range(SURFACES):
+            path = self.file(f"surfaces_{seed}.ply", ply(*surfaces(seed)))
+            self.expect_same(path, "--depth", 3 + seed % 5, "--threshold", seed % 3, "--routing-depth", 1 + seed % 6,
+                             ranks=(1 + seed % 4, 2 + (seed + 1) % 3))
 
     def test_statistics_are_those_of_the_program(self):
         options = ["--depth", 7, "--threshold", 8]
