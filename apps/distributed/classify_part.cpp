@@ -2,7 +2,7 @@
 
 #include "base/disjoint_sets.h"
 #include "distributed/cells_near_holes.h"
-#include "distributed/merge_regions.h"
+#include "distributed/merge_components.h"
 #include "distributed/part_borders.h"
 #include "octree/cells_at_caps.h"
 #include "octree/classify_cells.h"
@@ -19,20 +19,10 @@ namespace proxima {
 
 namespace {
 
-constexpr std::uint64_t no_region = std::numeric_limits<std::uint64_t>::max();
-
 /// An empty cell at a border, told to the rank that has the cell beyond.
 struct BorderCell {
     std::uint64_t neighbour = 0; ///< key of the cell of the same size beyond
     std::uint64_t component = 0;
-    std::uint64_t region = 0; ///< no_region where a cap may touch the cell
-    std::int64_t winding = 0; ///< less that of the region
-};
-
-/// A region whose winding number all ranks count together.
-struct AskedRegion {
-    std::uint64_t region = 0;
-    std::uint64_t cell = 0; ///< key of one of its cells
 };
 
 class PartClassifier {
@@ -49,14 +39,11 @@ public:
     {
         Status status = world_.agree_on([&] { return find_own_regions(); });
         if (!status) return tl::unexpected(status.error());
-        first_region_ = 1 + world_.sum_before(regions_.count());
-        component_count_ = 0;
         for (std::uint32_t i = 0; has_groups() && i < groups_->count(); ++i) {
             component_count_ = std::max(component_count_, regions_.component(i) + 1);
         }
         first_component_ = world_.sum_before(component_count_);
         status = meet_at_borders();
-        if (status) status = join();
         if (status) status = ask();
         if (status) status = label();
         if (!status) return tl::unexpected(status.error());
@@ -96,21 +83,11 @@ private:
         return {};
     }
 
-    /// A region's number among all, and its winding number less that one's.
-    struct Place {
-        std::uint64_t region = no_region;
-        std::int64_t winding = 0;
-    };
-    [[nodiscard]] Place place_of(std::uint32_t group)
+    /// \pre the group's region is tied to the outside
+    [[nodiscard]] std::int64_t winding_of(std::uint32_t group)
     {
-        const std::uint32_t region = regions_.of_group[group];
-        if (region == EmptyRegions::none) return {};
-        const auto found = windings_->find(region);
-        const auto of_outside = windings_->find(outside());
-        if (found.smallest == of_outside.smallest) {
-            return {0, found.difference - of_outside.difference};
-        }
-        return {first_region_ + found.smallest, found.difference};
+        return windings_->find(regions_.of_group[group]).difference -
+               windings_->find(outside()).difference;
     }
 
     /// Tells the neighbours of the cells at borders, and hears of theirs.
@@ -124,11 +101,10 @@ private:
             borders.each_face([&](std::uint32_t group, CellKey beyond) {
                 const int owner = part_.forest->owner(beyond);
                 if (owner == world_.rank()) return;
-                const Place place = place_of(group);
                 const std::uint32_t component = regions_.component(group);
                 is_shared_[component] = true;
                 outgoing[static_cast<std::size_t>(owner)].push_back(
-                    {beyond.bits, first_component_ + component, place.region, place.winding});
+                    {beyond.bits, first_component_ + component});
             });
             return {};
         });
@@ -142,8 +118,7 @@ private:
                 const auto group = borders.empty_at({other.neighbour});
                 if (group) meet(other, *group);
             }
-            make_unique(meetings_);
-            make_unique(ties_);
+            make_meetings_unique();
             return {};
         });
     }
@@ -153,77 +128,54 @@ private:
         const std::uint32_t component = regions_.component(group);
         is_shared_[component] = true;
         meetings_.push_back({other.component, first_component_ + component});
-        const Place own = place_of(group);
-        if (own.region == no_region || other.region == no_region) return;
-        if (own.region == other.region) return; // both known
-        ties_.push_back({own.region, other.region, other.winding - own.winding});
-        if (meetings_.size() < 2 * unique_size_) return;
-        make_unique(meetings_);
-        make_unique(ties_);
-        unique_size_ = std::max(meetings_.size(), std::size_t{1} << 16U);
+        if (meetings_.size() < unique_size_) return;
+        make_meetings_unique();
+        unique_size_ = std::max(unique_size_, 2 * meetings_.size());
     }
 
-    Status join()
+    void make_meetings_unique()
     {
-        const auto joined = join_regions(std::move(ties_), regions_.count(), world_);
-        if (!joined) return tl::unexpected(joined.error());
-        for (const RegionTie& tie : *joined) {
-            const auto local = static_cast<std::uint32_t>(tie.region - first_region_);
-            if (tie.from == 0) {
-                windings_->unite(outside(), local, tie.difference);
-            } else if (tie.from != tie.region) {
-                waiting_.push_back(tie);
-            }
-        }
-        return {};
+        std::ranges::sort(meetings_);
+        meetings_.erase(std::unique(meetings_.begin(), meetings_.end()), meetings_.end());
     }
 
-    /// Counts the winding numbers of regions that nothing ties to the outside.
+    /// Counts the winding numbers of regions that nothing ties to the outside, on all ranks together.
     Status ask()
     {
-        std::vector<AskedRegion> own;
+        std::vector<std::uint32_t> own;
+        std::vector<CellKey> cells;
         Status status = world_.agree_on([&]() -> Status {
             for (std::uint32_t region = 0; region < regions_.count(); ++region) {
-                const std::uint64_t id = first_region_ + region;
                 if (windings_->find(region).smallest != region) continue;
                 if (are_tied(*windings_, region, outside())) continue;
-                const bool waits = std::ranges::binary_search(waiting_, id, {}, &RegionTie::region);
-                if (!waits) own.push_back({id, regions_.start[region].bits});
+                own.push_back(region);
+                cells.push_back(regions_.start[region]);
             }
             return {};
         });
         if (!status) return status;
-        const auto asked = world_.all_gather(own);
+        const auto asked = world_.all_gather(cells);
         if (!asked) return tl::unexpected(asked.error());
-        std::vector<std::int64_t> counts(asked->items.size());
+        std::vector<std::int64_t> counts;
         status = world_.agree_on([&] { return count(*asked, counts); });
         if (!status) return status;
         world_.sum(counts);
-        const auto winding_of = [&](std::uint64_t id) {
-            const auto at = std::ranges::lower_bound(asked->items, id, {}, &AskedRegion::region);
-            return counts[static_cast<std::size_t>(at - asked->items.begin())];
-        };
-        for (const AskedRegion& region : own) {
-            windings_->unite(outside(), static_cast<std::uint32_t>(region.region - first_region_),
-                             winding_of(region.region));
-        }
-        for (const RegionTie& tie : waiting_) {
-            windings_->unite(outside(), static_cast<std::uint32_t>(tie.region - first_region_),
-                             winding_of(tie.from) + tie.difference);
+        const std::size_t first = asked->first[static_cast<std::size_t>(world_.rank())];
+        for (std::size_t i = 0; i < own.size(); ++i) {
+            windings_->unite(outside(), own[i], counts[first + i]);
         }
         return {};
     }
 
     /// This rank's part of the winding numbers; of its own regions also what the caps add.
-    Status count(const Received<AskedRegion>& asked, std::vector<std::int64_t>& counts)
+    Status count(const Received<CellKey>& asked, std::vector<std::int64_t>& counts)
     {
         StageSteps steps(&world_.progress(), "regions", asked.items.size(), 16);
         const auto own = static_cast<std::size_t>(world_.rank());
         const int deepest = octree_.parameters().max_depth;
         for (std::size_t i = 0; i < asked.items.size(); ++i) {
-            const WindingLine line =
-                winding_line(octree_.frame(), deepest, CellKey{asked.items[i].cell});
-            counts[i] = count_crossings(octree_, part_.mesh, line);
+            const WindingLine line = winding_line(octree_.frame(), deepest, asked.items[i]);
+            counts.push_back(count_crossings(octree_, part_.mesh, line));
             if (i >= asked.first[own] && i < asked.first[own + 1]) {
                 counts[i] += count_crossings(octree_.frame(), deepest, caps_, line);
             }
@@ -266,7 +218,7 @@ private:
             if (group.is_alone) {
                 inner_[i] = near_inner[near++] ? group.octants : std::uint8_t{0};
             } else {
-                inner_[i] = inner_octants(group, place_of(i).winding, cap_winding);
+                inner_[i] = inner_octants(group, winding_of(i), cap_winding);
             }
             OctreeNode& node = grown_.arrays.nodes[group.record];
             node.packed |= std::uint32_t{inner_[i]} << 8U;
@@ -330,14 +282,11 @@ private:
     std::optional<EmptyGroups> groups_; ///< nothing where the part has no empty cells
     EmptyRegions regions_;
     std::optional<DisjointOffsets> windings_; ///< of regions, and the outside
-    std::uint64_t first_region_ = 0;          ///< this rank's first among all; 0 is the outside
     std::uint64_t first_component_ = 0;
     std::uint32_t component_count_ = 0;
     std::vector<bool> is_shared_; ///< components that may go on in other ranks
     std::vector<ComponentMeeting> meetings_;
-    std::vector<RegionTie> ties_;
     std::size_t unique_size_ = std::size_t{1} << 16U;
-    std::vector<RegionTie> waiting_;  ///< regions that another one's answer tells, ascending
     std::vector<std::uint8_t> inner_; ///< octants of each group
 };
 

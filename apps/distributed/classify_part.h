@@ -2,9 +2,10 @@
 //
 //     rank 0 | rank 1     1. Each rank finds the components and regions of its own empty cells, and
 //      . . . | . . .         ties their winding numbers by rays that stay in its cells.
-//      . +---|--+  .      2. Cells at borders meet their neighbours on other ranks; rank 0 joins.
-//      . | a = b|  .      3. What is still not tied to the outside is counted along a line through
-//      . +---|--+  .         all ranks, each of which adds whole numbers.
+//      . +---|--+  .      2. What is not tied to the outside is counted along a line through all
+//      . | a = b|  .         ranks, each of which adds whole numbers.
+//      . +---|--+  .      3. Cells at borders meet their neighbours on other ranks, and rank 0 counts
+//                            components.
 //
 // Near holes, cells that a cap may touch are decided by the mesh's winding number there, a sum of
 // solid angles with a bound on its error. Where that cannot decide, the work ends with an error.

@@ -8,12 +8,14 @@
 #include "octree/classify_cells.h"
 #include "octree/list_figures.h"
 
+#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <fmt/core.h>
 #include <fstream>
 #include <limits>
+#include <memory>
 
 namespace proxima {
 
@@ -167,8 +169,7 @@ Result<OctreePart> build_part(MeshSlice slice, const OctreeFrame& frame,
     return part;
 }
 
-} // namespace
-
+/// Builds the octree and prints its figures on rank 0. Collective.
 Status run_octree(const OctreeRunOptions& options, World& world)
 {
     const double start = MPI_Wtime();
@@ -198,6 +199,31 @@ Status run_octree(const OctreeRunOptions& options, World& world)
         fmt::print("\nLeaves, lists and classes are those of one process.\n");
     }
     return {};
+}
+
+} // namespace
+
+std::function<Status(World&)> add_octree_command(CLI::App& app)
+{
+    const auto options = std::make_shared<OctreeRunOptions>();
+    CLI::App* const command =
+        app.add_subcommand("octree", "Build the octree of a mesh, each process a part of it");
+    command
+        ->add_option("MODEL", options->model, "A binary little-endian .ply file, or torus:NxM")
+        ->required();
+    command->add_option("--depth", options->depth, "Deepest level, 0 to 18 (default 5)")
+        ->check(CLI::Range(0, max_octree_depth - 1));
+    command
+        ->add_option("--threshold", options->threshold,
+                     "Split cells with more triangles than this (default 1)")
+        ->check(CLI::Range(0U, 1U << 30U));
+    command
+        ->add_option("--routing-depth", options->routing_depth,
+                     "Deepest level whose cells are shared out, 0 to 6 (default 5)")
+        ->check(CLI::Range(0, 6));
+    command->add_flag("--verify", options->is_verified,
+                      "Build the whole octree on the first process, too, and compare");
+    return [options](World& world) { return run_octree(*options, world); };
 }
 
 } // namespace proxima

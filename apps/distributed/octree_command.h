@@ -4,7 +4,12 @@
 #include "distributed/world.h"
 
 #include <cstdint>
+#include <functional>
 #include <string>
+
+namespace CLI {
+class App;
+}
 
 namespace proxima {
 
@@ -16,7 +21,8 @@ struct OctreeRunOptions {
     bool is_verified = false;
 };
 
-/// Builds the octree and prints its size on rank 0. Collective.
-[[nodiscard]] Status run_octree(const OctreeRunOptions& options, World& world);
+/// Adds the subcommand. What it returns builds the octree of the parsed arguments' mesh, prints its
+/// figures on rank 0 and is collective.
+[[nodiscard]] std::function<Status(World&)> add_octree_command(CLI::App& app);
 
 } // namespace proxima

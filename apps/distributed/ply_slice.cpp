@@ -315,6 +315,7 @@ private:
     {
         constexpr std::uint64_t block = 1U << 16U;
         std::vector<char> buffer(bytes * std::min(block, share.end - share.first));
+        StageSteps steps(&world_.progress(), "reading", share.end - share.first, 1);
         for (std::uint64_t first = share.first; first < share.end; first += block) {
             const std::uint64_t count = std::min(block, share.end - first);
             if (!file_.read(start + first * bytes, buffer.data(), count * bytes)) {
@@ -324,6 +325,7 @@ private:
                 const Status status = take(first + i, buffer.data() + i * bytes);
                 if (!status) return status;
             }
+            if (!steps.done(count)) return cancelled("reading", name_);
         }
         return {};
     }

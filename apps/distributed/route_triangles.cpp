@@ -26,8 +26,10 @@ int usable_depth(const OctreeFrame& frame, const RouteOptions& options)
     return depth;
 }
 
-/// The triangles of each cell of a depth. Throws std::bad_alloc.
-CoarseBins bins_of(const TriangleMesh& mesh, const OctreeFrame& frame, int depth)
+/// The triangles of each cell of a depth; not to be used once `progress` is cancelled. Throws
+/// std::bad_alloc.
+CoarseBins bins_of(const TriangleMesh& mesh, const OctreeFrame& frame, int depth,
+                   Progress* progress)
 {
     if (mesh.triangle_count() == 0) {
         CoarseBins bins;
@@ -35,7 +37,10 @@ CoarseBins bins_of(const TriangleMesh& mesh, const OctreeFrame& frame, int depth
         bins.first.assign((std::size_t{1} << (3 * depth)) + 1, 0);
         return bins;
     }
-    return bin_triangles(SnappedMesh(mesh, frame, Threads{1}, nullptr), depth, Threads{1}, nullptr);
+    begin_stage(progress, "routing", mesh.vertex_count() + 2 * mesh.triangle_count());
+    const SnappedMesh snapped(mesh, frame, Threads{1}, progress);
+    if (is_cancelled(progress)) return {};
+    return bin_triangles(snapped, depth, Threads{1}, progress);
 }
 
 /// Sets `ids` to the distinct triangles of a cell at or above the depth of the bins, ascending.
@@ -146,9 +151,11 @@ Status unpack(const Received<RoutedTriangle>& triangles, const Received<Position
 }
 
 /// Fills the lists of part.keys.
-Status list_triangles(const OctreeFrame& frame, int routing_depth, RoutedPart& part)
+Status list_triangles(const OctreeFrame& frame, int routing_depth, Progress* progress,
+                      RoutedPart& part)
 {
-    const CoarseBins bins = bins_of(part.mesh, frame, routing_depth);
+    const CoarseBins bins = bins_of(part.mesh, frame, routing_depth, progress);
+    if (is_cancelled(progress)) return cancelled("routing triangles");
     std::vector<std::uint32_t> ids;
     part.first.push_back(0);
     for (const CellKey key : part.keys) {
@@ -169,7 +176,8 @@ Result<RoutedPart> route_triangles(MeshSlice slice, const OctreeFrame& frame,
     CoarseBins bins;
     std::vector<std::vector<CellCount>> counts;
     Status status = world.agree_on([&]() -> Status {
-        bins = bins_of(slice.mesh, frame, routing_depth);
+        bins = bins_of(slice.mesh, frame, routing_depth, &world.progress());
+        if (is_cancelled(&world.progress())) return cancelled("routing triangles");
         counts = count_cells(bins);
         return {};
     });
@@ -197,7 +205,7 @@ Result<RoutedPart> route_triangles(MeshSlice slice, const OctreeFrame& frame,
         *triangles = {};
         *vertices = {};
         part.keys = forest->cells();
-        return list_triangles(frame, routing_depth, part);
+        return list_triangles(frame, routing_depth, &world.progress(), part);
     });
     if (!status) return tl::unexpected(status.error());
     part.forest = std::move(forest);

@@ -38,13 +38,13 @@ Result<TriangleMesh> whole_mesh(const std::string& model)
 }
 
 Status compare(const OctreeRunOptions& options, const OctreeParameters& parameters,
-               const LeafList& found)
+               const LeafList& found, Progress& progress)
 {
     const auto mesh = whole_mesh(options.model);
     if (!mesh) return tl::unexpected(mesh.error());
     const auto octree = build_octree(*mesh, {.max_depth = options.depth,
                                              .threshold = options.threshold,
-                                             .execution = {.threads = {1}}});
+                                             .execution = {.threads = {1}, .progress = &progress}});
     if (!octree) return tl::unexpected(octree.error());
     LeafList expected;
     traverse(*octree, expected);
@@ -86,7 +86,7 @@ Status verify_octree(const OctreeRunOptions& options, const OctreePart& part, Wo
         found.classes = std::move(classes->items);
         found.lengths = std::move(lengths->items);
         found.ids = std::move(ids->items);
-        return compare(options, part.octree.parameters(), found);
+        return compare(options, part.octree.parameters(), found, world.progress());
     });
 }
 

@@ -2,6 +2,7 @@
 import math
 import os
 import random
+import signal
 import struct
 import subprocess
 import tempfile
@@ -13,12 +14,19 @@ SECONDS = 200
 SURFACES = int(os.environ.get("SURFACES", "12"))
 
 
-def run(ranks, *arguments):
+def command(ranks, *arguments):
     root = ["--allow-run-as-root"] if os.geteuid() == 0 else []
     # Containers forbid the copies between processes that Open MPI would make by a system call.
     single_copy = ["--mca", "btl_vader_single_copy_mechanism", "none"]
-    return subprocess.run([MPIRUN, *root, *single_copy, "--oversubscribe", "-n", str(ranks), PROGRAM, *map(str, arguments)],
-                          capture_output=True, text=True, timeout=SECONDS)
+    return [MPIRUN, *root, *single_copy, "--oversubscribe", "-n", str(ranks), PROGRAM, *map(str, arguments)]
+
+
+def run(ranks, *arguments):
+    return subprocess.run(command(ranks, *arguments), capture_output=True, text=True, timeout=SECONDS)
+
+
+def messages(text):
+    return [line for line in text.splitlines() if line.startswith("proxima-mpi: ")]
 
 
 def ply(positions, triangles):
@@ -147,7 +155,7 @@ class Errors(DistributedTest):
         result = run(ranks, "octree", path)
         self.assertEqual(result.returncode, 1, result.stderr)
         self.assertEqual(result.stdout.count("triangles,"), 0)
-        lines = [line for line in result.stderr.splitlines() if line.startswith("proxima-mpi: ")]
+        lines = messages(result.stderr)
         self.assertEqual(len(lines), 1, result.stderr)
         for part in says:
             self.assertIn(part, lines[0])
@@ -180,6 +188,50 @@ class Errors(DistributedTest):
         for arguments in (["--depth", "19"], ["--routing-depth", "7"], ["--threshold", "-1"]):
             result = run(2, "octree", "torus:9x9", *arguments)
             self.assertEqual(result.returncode, 2, result.stderr)
+
+
+class Stopping(DistributedTest):
+    def start(self):
+        """A run that takes a while, once it is under way."""
+        process = subprocess.Popen(command(2, "--progress", "octree", "torus:3000x2000", "--depth", 10), text=True,
+                                   stdout=subprocess.PIPE, stderr=subprocess.PIPE)
+        self.addCleanup(process.kill)
+        self.assertIn("proxima: ", process.stderr.readline())
+        return process
+
+    @staticmethod
+    def ranks(process):
+        """The process numbers of the ranks."""
+        below = Path(f"/proc/{process.pid}/task/{process.pid}/children").read_text().split()
+        return [int(number) for number in below if Path(f"/proc/{number}/comm").read_text().strip() == Path(PROGRAM).name[:15]]
+
+    def expect_stopped(self, errors):
+        self.assertEqual(len(messages(errors)), 1, errors)
+        self.assertTrue(messages(errors)[0].endswith("was stopped on request"), errors)
+
+    def test_interrupt_as_a_terminal_sends_it(self):
+        process = self.start()
+        process.send_signal(signal.SIGINT)
+        out, errors = process.communicate(timeout=SECONDS)
+        self.assertNotEqual(process.returncode, 0)
+        self.expect_stopped(errors)
+        self.assertEqual(out.count("triangles,"), 0)
+
+    def test_interrupt_of_one_rank_stops_all(self):
+        process = self.start()
+        os.kill(self.ranks(process)[1], signal.SIGINT)
+        out, errors = process.communicate(timeout=SECONDS)
+        self.assertEqual(process.returncode, 128 + signal.SIGINT)
+        self.expect_stopped(errors)
+        self.assertEqual(out.count("triangles,"), 0)
+
+    def test_a_killed_rank_ends_the_run(self):
+        process = self.start()
+        os.kill(self.ranks(process)[1], signal.SIGKILL)
+        out, errors = process.communicate(timeout=SECONDS)
+        self.assertEqual(process.returncode, 128 + signal.SIGKILL)
+        self.assertIn("signal 9", errors)
+        self.assertEqual(out.count("triangles,"), 0)
 
 
 if __name__ == "__main__":

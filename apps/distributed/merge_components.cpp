@@ -1,4 +1,4 @@
-#include "distributed/merge_regions.h"
+#include "distributed/merge_components.h"
 
 #include "base/disjoint_sets.h"
 
@@ -13,34 +13,6 @@ std::uint32_t position(const std::vector<std::uint64_t>& ids, std::uint64_t id)
     return static_cast<std::uint32_t>(std::ranges::lower_bound(ids, id) - ids.begin());
 }
 
-Status check_count(const std::vector<std::uint64_t>& ids)
-{
-    if (ids.size() < std::numeric_limits<std::uint32_t>::max()) return {};
-    return fail(ErrorCode::limit_exceeded,
-                "2^32 regions of empty cells or more meet at borders of ranks: use fewer ranks");
-}
-
-/// The answers to the owners of the regions.
-Status answer(const std::vector<RegionTie>& ties, const std::vector<std::uint64_t>& first_region,
-              std::vector<std::vector<RegionTie>>& answers)
-{
-    std::vector<std::uint64_t> ids = {0};
-    for (const RegionTie& tie : ties) ids.insert(ids.end(), {tie.region, tie.from});
-    make_unique(ids);
-    if (const Status status = check_count(ids); !status) return status;
-    DisjointOffsets numbers(ids.size());
-    for (const RegionTie& tie : ties) {
-        numbers.unite(position(ids, tie.from), position(ids, tie.region), tie.difference);
-    }
-    std::size_t rank = 0;
-    for (std::uint32_t i = 1; i < ids.size(); ++i) {
-        while (rank + 1 < first_region.size() && first_region[rank + 1] <= ids[i]) ++rank;
-        const auto found = numbers.find(i);
-        answers[rank].push_back({ids[i], ids[found.smallest], found.difference});
-    }
-    return {};
-}
-
 void count_components(const std::vector<ComponentMeeting>& meetings,
                       std::vector<ComponentPart>& parts, ClassificationSummary& summary)
 {
@@ -48,7 +20,8 @@ void count_components(const std::vector<ComponentMeeting>& meetings,
     for (const ComponentMeeting& meeting : meetings) {
         ids.insert(ids.end(), {meeting.a, meeting.b});
     }
-    make_unique(ids);
+    std::ranges::sort(ids);
+    ids.erase(std::unique(ids.begin(), ids.end()), ids.end());
     DisjointSets sets(ids.size());
     for (const ComponentMeeting& meeting : meetings) {
         sets.unite(position(ids, meeting.a), position(ids, meeting.b));
@@ -66,30 +39,6 @@ void count_components(const std::vector<ComponentMeeting>& meetings,
 }
 
 } // namespace
-
-Result<std::vector<RegionTie>> join_regions(std::vector<RegionTie> ties, std::uint64_t own_regions,
-                                            World& world)
-{
-    const std::vector<std::uint64_t> counts = world.gather(own_regions);
-    auto all = world.collect(std::move(ties));
-    if (!all) return tl::unexpected(all.error());
-    std::vector<std::vector<RegionTie>> answers(static_cast<std::size_t>(world.size()));
-    const Status status = world.agree_on([&]() -> Status {
-        if (world.rank() != 0) return {};
-        std::vector<std::uint64_t> first_region;
-        std::uint64_t next = 1;
-        for (const std::uint64_t count : counts) {
-            first_region.push_back(next);
-            next += count;
-        }
-        make_unique(all->items);
-        return answer(all->items, first_region, answers);
-    });
-    if (!status) return tl::unexpected(status.error());
-    auto own = world.exchange(std::move(answers));
-    if (!own) return tl::unexpected(own.error());
-    return std::move(own->items);
-}
 
 void count_component(const ComponentPart& whole, ClassificationSummary& summary) noexcept
 {
