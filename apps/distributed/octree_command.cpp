@@ -3,6 +3,8 @@
 #include "cli/statistics_text.h"
 #include "cli/text_table.h"
 #include "distributed/classify_part.h"
+#include "distributed/load_part.h"
+#include "distributed/save_part.h"
 #include "distributed/verify_octree.h"
 #include "distributed/whole_caps.h"
 #include "octree/classify_cells.h"
@@ -53,6 +55,11 @@ Result<Box> whole_box(const MeshSlice& slice, const World& world)
     box.lower = {ends[0], ends[1], ends[2]};
     box.upper = {-ends[3], -ends[4], -ends[5]};
     return box;
+}
+
+bool is_octree_file(const std::string& model) noexcept
+{
+    return model.ends_with(".pxo");
 }
 
 Result<MeshSlice> load_slice(const std::string& model, World& world)
@@ -106,7 +113,7 @@ std::uint64_t peak_megabytes()
 /// What each rank has. Collective.
 std::string ranks_text(const OctreePart& part, const World& world)
 {
-    const auto triangles = world.gather(part.routed.triangles.size());
+    const auto triangles = world.gather(part.triangles.size());
     const auto cells = world.gather(part.cells.size());
     const auto references = world.gather(part.octree.references().size());
     const auto sent = world.gather(world.sent_bytes());
@@ -144,52 +151,73 @@ Result<OctreePart> build_part(MeshSlice slice, const OctreeFrame& frame,
                                    .routing_depth = options.routing_depth},
                                   world);
     if (!routed) return tl::unexpected(routed.error());
-    OctreePart part;
-    part.routed = std::move(*routed);
     const GrowCellsOptions grow_options{.max_depth = options.depth,
                                         .threshold = options.threshold,
                                         .execution = {.progress = &world.progress()}};
     GrownPart grown;
     const Status status = world.agree_on([&]() -> Status {
-        auto result = grow(part.routed, frame, grow_options);
+        auto result = grow(*routed, frame, grow_options);
         if (!result) return tl::unexpected(result.error());
         grown = std::move(*result);
         return {};
     });
     if (!status) return tl::unexpected(status.error());
     const OctreeParameters parameters = part_parameters(grow_options);
-    const auto summary = classify_part(part.routed, frame, parameters, *caps, grown, world);
+    const auto summary = classify_part(*routed, frame, parameters, *caps, grown, world);
     if (!summary) return tl::unexpected(summary.error());
+    OctreePart part;
     part.cells = std::move(grown.cells);
     part.upper_records = grown.upper_records;
     const auto arrays = std::make_shared<OctreeOutput>(std::move(grown.arrays));
     part.octree =
-        Octree::adopt(frame, classified(parameters, *summary), part.routed.mesh.triangle_count(),
+        Octree::adopt(frame, classified(parameters, *summary), routed->mesh.triangle_count(),
                       arrays->nodes.span(), arrays->references.span(), arrays);
+    part.triangles = std::move(routed->triangles);
     return part;
 }
 
-/// Builds the octree and prints its figures on rank 0. Collective.
-Status run_octree(const OctreeRunOptions& options, World& world)
+/// The octree of a model, and on rank 0 a line about it. Collective.
+Result<OctreePart> octree_of(const OctreeRunOptions& options, World& world, std::string& line)
 {
     const double start = MPI_Wtime();
+    if (is_octree_file(options.model)) {
+        auto part = load_part(options.model, options.routing_depth, world);
+        if (!part) return part;
+        line = fmt::format("{}: {} triangles, {} ranks, loaded in {:.3f} s", options.model,
+                           part->whole_triangles, world.size(), MPI_Wtime() - start);
+        return part;
+    }
     auto slice = load_slice(options.model, world);
     if (!slice) return tl::unexpected(slice.error());
     const auto box = whole_box(*slice, world);
     if (!box) return tl::unexpected(box.error());
-    const OctreeFrame frame = tight_root(*box, RootShape::cube);
     const std::uint64_t whole_triangles = slice->whole_triangles;
     const double loaded = MPI_Wtime();
-    const auto part = build_part(std::move(*slice), frame, options, world);
-    if (!part) return tl::unexpected(part.error());
+    auto part = build_part(std::move(*slice), tight_root(*box, RootShape::cube), options, world);
+    if (!part) return part;
+    part->whole_triangles = whole_triangles;
     MPI_Barrier(MPI_COMM_WORLD);
-    const double built = MPI_Wtime();
+    line = fmt::format("{}: {} triangles, {} ranks, read in {:.3f} s, built in {:.3f} s",
+                       options.model, whole_triangles, world.size(), loaded - start,
+                       MPI_Wtime() - loaded);
+    return part;
+}
+
+/// Builds or loads the octree, prints its figures on rank 0 and writes what is asked for. Collective.
+Status run_octree(const OctreeRunOptions& options, World& world)
+{
+    std::string line;
+    const auto part = octree_of(options, world, line);
+    if (!part) return tl::unexpected(part.error());
+    if (!options.save.empty()) {
+        const Status saved = save_part(*part, options.save, world);
+        if (!saved) return saved;
+    }
     const OctreeStatistics statistics = whole_statistics(part->octree, part->cells, world);
     const std::string ranks = ranks_text(*part, world);
     if (world.rank() == 0) {
-        fmt::print("{}: {} triangles, {} ranks, read in {:.3f} s, built in {:.3f} s\n\n{}\n{}",
-                   options.model, whole_triangles, world.size(), loaded - start, built - loaded,
-                   statistics_text(part->octree.parameters(), statistics), ranks);
+        fmt::print("{}\n\n{}\n{}", line, statistics_text(part->octree.parameters(), statistics),
+                   ranks);
         std::fflush(stdout);
     }
     if (!options.is_verified) return {};
@@ -209,7 +237,8 @@ std::function<Status(World&)> add_octree_command(CLI::App& app)
     CLI::App* const command =
         app.add_subcommand("octree", "Build the octree of a mesh, each process a part of it");
     command
-        ->add_option("MODEL", options->model, "A binary little-endian .ply file, or torus:NxM")
+        ->add_option("MODEL", options->model,
+                     "A binary little-endian .ply file, torus:NxM, or an octree's .pxo file")
         ->required();
     command->add_option("--depth", options->depth, "Deepest level, 0 to 18 (default 5)")
         ->check(CLI::Range(0, max_octree_depth - 1));
@@ -223,7 +252,22 @@ std::function<Status(World&)> add_octree_command(CLI::App& app)
         ->check(CLI::Range(0, 6));
     command->add_flag("--verify", options->is_verified,
                       "Build the whole octree on the first process, too, and compare");
-    return [options](World& world) { return run_octree(*options, world); };
+    command->add_option("--save", options->save, "Write the octree's own format, as proxima does")
+        ->check(CLI::Validator(
+            [](const std::string& name) {
+                return is_octree_file(name) ? "" : "the name must end with .pxo";
+            },
+            "FILE.pxo"));
+    return [options, command](World& world) -> Status {
+        for (const char* const name : {"--depth", "--threshold", "--verify"}) {
+            if (is_octree_file(options->model) && command->count(name) != 0) {
+                return fail(ErrorCode::invalid_argument,
+                            concat(name, " is for meshes: an octree's file has been built"),
+                            options->model);
+            }
+        }
+        return run_octree(*options, world);
+    };
 }
 
 } // namespace proxima

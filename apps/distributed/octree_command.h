@@ -19,6 +19,7 @@ struct OctreeRunOptions {
     std::uint32_t threshold = 1;
     int routing_depth = 5;
     bool is_verified = false;
+    std::string save; ///< a .pxo file, or empty
 };
 
 /// Adds the subcommand. What it returns builds the octree of the parsed arguments' mesh, prints its

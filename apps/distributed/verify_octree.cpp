@@ -16,7 +16,7 @@ struct LeafList {
     std::vector<std::uint8_t> classes;
     std::vector<std::uint64_t> lengths;
     std::vector<std::uint64_t> ids;
-    const std::vector<std::uint64_t>* whole_ids = nullptr; ///< null: ids are those of the whole
+    const OctreePart* part = nullptr; ///< null: ids are those of the whole
 
     static bool should_enter(const Cell&) { return true; }
     Flow visit_leaf(const Cell& cell, std::span<const TriangleId> triangles)
@@ -25,7 +25,7 @@ struct LeafList {
         classes.push_back(static_cast<std::uint8_t>(cell.type));
         lengths.push_back(triangles.size());
         for (const TriangleId id : triangles) {
-            ids.push_back(whole_ids == nullptr ? to_index(id) : (*whole_ids)[to_index(id)]);
+            ids.push_back(part == nullptr ? to_index(id) : part->whole_id(id));
         }
         return Flow::proceed;
     }
@@ -66,7 +66,7 @@ Status verify_octree(const OctreeRunOptions& options, const OctreePart& part, Wo
 {
     LeafList own;
     const Status status = world.agree_on([&]() -> Status {
-        own.whole_ids = &part.routed.triangles;
+        own.part = &part;
         for (const Cell& cell : part.cells) traverse_below(part.octree, cell, own);
         return {};
     });

@@ -52,6 +52,18 @@ void World::sum(std::span<double> values)
     sent_bytes_ += values.size_bytes();
 }
 
+void World::send_to_first(std::span<const std::byte> bytes)
+{
+    MPI_Send(bytes.data(), static_cast<int>(bytes.size()), MPI_BYTE, 0, 0, MPI_COMM_WORLD);
+    sent_bytes_ += bytes.size();
+}
+
+void World::receive(int rank, std::span<std::byte> bytes)
+{
+    MPI_Recv(bytes.data(), static_cast<int>(bytes.size()), MPI_BYTE, rank, 0, MPI_COMM_WORLD,
+             MPI_STATUS_IGNORE);
+}
+
 std::uint64_t World::sum(std::uint64_t value) const
 {
     MPI_Allreduce(MPI_IN_PLACE, &value, 1, MPI_UINT64_T, MPI_SUM, MPI_COMM_WORLD);

@@ -24,19 +24,20 @@ struct Received {
     std::vector<std::size_t> first;
 };
 
-/// The ranks of MPI_COMM_WORLD. Every member function but rank(), size(), progress() and
-/// sent_bytes() is collective: all ranks call it in the same order.
+/// The ranks of MPI_COMM_WORLD. Every member function is collective where nothing else is said: all
+/// ranks call it in the same order.
 class World {
 public:
     World();
 
+    // Not collective.
     [[nodiscard]] int rank() const noexcept { return rank_; }
     [[nodiscard]] int size() const noexcept { return size_; }
 
-    /// This rank's work. What cancels it on one rank stops all at the next agreement.
+    /// This rank's work; not collective. What cancels it on one rank stops all at the next agreement.
     [[nodiscard]] Progress& progress() noexcept { return progress_; }
 
-    /// Bytes that this rank sent to others by exchange(), all_gather() and sums of many numbers.
+    /// Bytes that this rank sent to others, but for messages of a few numbers. Not collective.
     [[nodiscard]] std::uint64_t sent_bytes() const noexcept { return sent_bytes_; }
 
     /// On all ranks, the error of the lowest rank that has one.
@@ -92,6 +93,11 @@ public:
     /// Replaces numbers by their sums over the ranks, the same bits on all of them.
     void sum(std::span<std::int64_t> values);
     void sum(std::span<double> values);
+
+    /// A message to rank 0, which receives it. At most 2^31 bytes; each waits for the other. Not
+    /// collective.
+    void send_to_first(std::span<const std::byte> bytes);
+    static void receive(int rank, std::span<std::byte> bytes);
 
     [[nodiscard]] std::uint64_t sum(std::uint64_t value) const;
     [[nodiscard]] std::uint64_t max(std::uint64_t value) const;
