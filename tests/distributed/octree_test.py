@@ -67,12 +67,8 @@ def shell(chance, center, radius, rows):
     return positions, triangles
 
 
-BOX = [[0, 4, 6], [0, 6, 2], [1, 3, 7], [1, 7, 5], [0, 1, 5], [0, 5, 4], [2, 6, 7], [2, 7, 3], [0, 2, 3], [0, 3, 1], [4, 5, 7], [4, 7, 6]]
-
-
 def surfaces(seed):
-    """Shells within and across each other, some in a box far from them, which has ranks that see none of it; odd seeds with holes,
-    flips and repeats, others with welds undone."""
+    """Shells within and across each other; odd seeds with holes, flips and repeats, others with welds undone."""
     chance = random.Random(seed)
     positions, triangles = [], []
     for _ in range(chance.randrange(1, 5)):
@@ -81,10 +77,6 @@ def surfaces(seed):
             corners = [[a, c, b] for a, b, c in corners]
         triangles += [[corner + len(positions) for corner in three] for three in corners]
         positions += some
-    if seed % 5 < 3:
-        first = len(positions)
-        positions += [[6.5 * (2 * (corner >> axis & 1) - 1) for axis in range(3)] for corner in range(8)]
-        triangles += [[first + corner for corner in three] for three in BOX]
     if seed % 2:
         for _ in range(chance.randrange(1, 12)):
             at = chance.randrange(len(triangles))
@@ -104,6 +96,19 @@ def surfaces(seed):
         chance.shuffle(triangles)
     positions.insert(0, list(positions[triangles[0][0]]))  # unused, and where another vertex is
     return positions, [[corner + 1 for corner in three] for three in triangles]
+
+
+BOX = [[0, 4, 6], [0, 6, 2], [1, 3, 7], [1, 7, 5], [0, 1, 5], [0, 5, 4], [2, 6, 7], [2, 7, 3], [0, 2, 3], [0, 3, 1], [4, 5, 7], [4, 7, 6]]
+
+
+def ball_in_a_box(seed):
+    """Most triangles in one corner of a box, so that some ranks have none of the box's walls; from seed 1 on the ball has a hole."""
+    positions, triangles = shell(random.Random(seed), [0.1, 0.2, 0.3], 2, 40)
+    if seed > 0:
+        triangles = [three for three in triangles if min(positions[corner][seed - 1] for corner in three) < 1.5]
+    first = len(positions)
+    positions += [[(-3.1, 21)[corner >> axis & 1] for axis in range(3)] for corner in range(8)]
+    return positions, triangles + [[first + corner for corner in three] for three in BOX]
 
 
 class DistributedTest(unittest.TestCase):
@@ -147,8 +152,13 @@ class Octree(DistributedTest):
     def test_closed_and_open_surfaces(self):
         for seed in range(SURFACES):
             path = self.file(f"surfaces_{seed}.ply", ply(*surfaces(seed)))
-            self.expect_same(path, "--depth", 4 + seed % 4, "--threshold", seed % 3, "--routing-depth", 1 + seed % 6,
+            self.expect_same(path, "--depth", 5 + seed % 3, "--threshold", seed % 3, "--routing-depth", 1 + seed % 6,
                              ranks=(1 + seed % 4, 2 + (seed + 1) % 3))
+
+    def test_ranks_that_see_no_way_out(self):
+        for seed in range(4):
+            path = self.file(f"ball_{seed}.ply", ply(*ball_in_a_box(seed)))
+            self.expect_same(path, "--depth", 7, "--threshold", 20, "--routing-depth", 6, ranks=(4, 7))
 
     def test_statistics_are_those_of_the_program(self):
         options = ["--depth", 7, "--threshold", 8]
