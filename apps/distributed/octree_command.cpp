@@ -3,6 +3,7 @@
 #include "cli/statistics_text.h"
 #include "cli/text_table.h"
 #include "distributed/classify_part.h"
+#include "distributed/export_part.h"
 #include "distributed/load_part.h"
 #include "distributed/save_part.h"
 #include "distributed/verify_octree.h"
@@ -213,6 +214,10 @@ Status run_octree(const OctreeRunOptions& options, World& world)
         const Status saved = save_part(*part, options.save, world);
         if (!saved) return saved;
     }
+    if (!options.out.empty()) {
+        const Status exported = export_part(*part, options.out, world);
+        if (!exported) return exported;
+    }
     const OctreeStatistics statistics = whole_statistics(part->octree, part->cells, world);
     const std::string ranks = ranks_text(*part, world);
     if (world.rank() == 0) {
@@ -227,6 +232,15 @@ Status run_octree(const OctreeRunOptions& options, World& world)
         fmt::print("\nLeaves, lists and classes are those of one process.\n");
     }
     return {};
+}
+
+CLI::Validator ends_with(const std::string& extension)
+{
+    return {[extension](const std::string& name) {
+                return name.ends_with(extension) ? std::string()
+                                                 : "the name must end with " + extension;
+            },
+            "FILE" + extension};
 }
 
 } // namespace
@@ -253,11 +267,9 @@ std::function<Status(World&)> add_octree_command(CLI::App& app)
     command->add_flag("--verify", options->is_verified,
                       "Build the whole octree on the first process, too, and compare");
     command->add_option("--save", options->save, "Write the octree's own format, as proxima does")
-        ->check(CLI::Validator(
-            [](const std::string& name) {
-                return is_octree_file(name) ? "" : "the name must end with .pxo";
-            },
-            "FILE.pxo"));
+        ->check(ends_with(".pxo"));
+    command->add_option("--out", options->out, "Write the leaves for ParaView, a piece per process")
+        ->check(ends_with(".pvtu"));
     return [options, command](World& world) -> Status {
         for (const char* const name : {"--depth", "--threshold", "--verify"}) {
             if (is_octree_file(options->model) && command->count(name) != 0) {

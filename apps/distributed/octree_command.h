@@ -20,6 +20,7 @@ struct OctreeRunOptions {
     int routing_depth = 5;
     bool is_verified = false;
     std::string save; ///< a .pxo file, or empty
+    std::string out;  ///< a .pvtu file, or empty
 };
 
 /// Adds the subcommand. What it returns builds the octree of the parsed arguments' mesh, prints its

@@ -288,6 +288,47 @@ class Saving(DistributedTest):
         self.assertEqual(run(2, "octree", self.folder / "a.pxo", "--depth", 3).returncode, 1)
 
 
+class Exporting(DistributedTest):
+    READER = Path(__file__).parent.parent / "octree" / "read_exported_leaves.py"
+
+    def leaves(self, path):
+        result = subprocess.run(["/usr/bin/python3", self.READER, path], capture_output=True, text=True)
+        if result.returncode == 77:
+            self.skipTest(result.stdout)
+        self.assertEqual(result.returncode, 0, result.stderr)
+        return result.stdout
+
+    def test_paraview_has_the_leaves_of_one_process(self):
+        options = ["--depth", 6, "--threshold", 2]
+        for model in ("torus:30x20", self.file("ball & box.ply", ply(*ball_in_a_box(1)))):
+            one = self.folder / "one.vtu"
+            subprocess.run([PROXIMA, "octree", model, *map(str, options), "--out", one], check=True, capture_output=True)
+            expected = self.leaves(one)
+            for ranks in (1, 3):
+                path = self.folder / f"a & <b> {ranks}.pvtu"
+                result = run(ranks, "octree", model, *options, "--out", path)
+                self.assertEqual(result.returncode, 0, result.stderr)
+                self.assertEqual(path.read_text().count("<Piece"), ranks)
+                self.assertEqual(self.leaves(path), expected)
+
+    def test_ranks_without_leaves_have_no_piece(self):
+        path = self.folder / "leaves.pvtu"
+        self.assertEqual(run(4, "octree", "torus:9x9", "--depth", 0, "--out", path).returncode, 0)
+        self.assertEqual(path.read_text().count("<Piece"), 1)
+        self.assertEqual(self.leaves(path).count("\n"), 2)
+
+    def test_an_export_that_fails_leaves_none(self):
+        path = self.folder / "leaves.pvtu"
+        self.assertEqual(run(3, "octree", "torus:30x20", "--out", path).returncode, 0)
+        (self.folder / "leaves_1.vtu").unlink()
+        (self.folder / "leaves_1.vtu").mkdir()
+        result = run(3, "octree", "torus:40x20", "--out", path)
+        self.assertEqual(result.returncode, 1, result.stderr)
+        self.assertEqual(len(messages(result.stderr)), 1, result.stderr)
+        self.assertIn("leaves_1.vtu: cannot write this file", result.stderr)
+        self.assertFalse(path.exists())
+
+
 class Stopping(DistributedTest):
     def start(self):
         """A run that takes a while, once it is under way."""
