@@ -63,12 +63,15 @@ bool is_octree_file(const std::string& model) noexcept
     return model.ends_with(".pxo");
 }
 
-Result<MeshSlice> load_slice(const std::string& model, World& world)
+Result<MeshSlice> load_slice(const std::string& model, const std::string& triangles, World& world)
 {
+    if (!triangles.empty()) return read_npy_slice(model, triangles, world);
     if (const auto size = torus_size(model)) return make_torus_slice(*size, world);
     if (model.ends_with(".ply")) return read_ply_slice(model, world);
     return fail(ErrorCode::unsupported_format,
-                "proxima-mpi takes binary little-endian .ply files and torus:NxM", model);
+                "proxima-mpi takes binary little-endian .ply files, torus:NxM, and .npy files of "
+                "vertices with --triangles",
+                model);
 }
 
 /// Figures of the whole octree, as octree_statistics has them of one. Collective.
@@ -188,7 +191,7 @@ Result<OctreePart> octree_of(const OctreeRunOptions& options, World& world, std:
                            part->whole_triangles, world.size(), MPI_Wtime() - start);
         return part;
     }
-    auto slice = load_slice(options.model, world);
+    auto slice = load_slice(options.model, options.triangles, world);
     if (!slice) return tl::unexpected(slice.error());
     const auto box = whole_box(*slice, world);
     if (!box) return tl::unexpected(box.error());
@@ -251,9 +254,13 @@ std::function<Status(World&)> add_octree_command(CLI::App& app)
     CLI::App* const command =
         app.add_subcommand("octree", "Build the octree of a mesh, each process a part of it");
     command
-        ->add_option("MODEL", options->model,
-                     "A binary little-endian .ply file, torus:NxM, or an octree's .pxo file")
+        ->add_option(
+            "MODEL", options->model,
+            "A binary little-endian .ply file, torus:NxM, an octree's .pxo file, or vertices "
+            "as a .npy file")
         ->required();
+    command->add_option("--triangles", options->triangles,
+                        "A .npy file: three numbers of vertices, from 0, for each triangle");
     command->add_option("--depth", options->depth, "Deepest level, 0 to 18 (default 5)")
         ->check(CLI::Range(0, max_octree_depth - 1));
     command
@@ -271,12 +278,17 @@ std::function<Status(World&)> add_octree_command(CLI::App& app)
     command->add_option("--out", options->out, "Write the leaves for ParaView, a piece per process")
         ->check(ends_with(".pvtu"));
     return [options, command](World& world) -> Status {
-        for (const char* const name : {"--depth", "--threshold", "--verify"}) {
+        for (const char* const name : {"--depth", "--threshold", "--triangles", "--verify"}) {
             if (is_octree_file(options->model) && command->count(name) != 0) {
                 return fail(ErrorCode::invalid_argument,
                             concat(name, " is for meshes: an octree's file has been built"),
                             options->model);
             }
+        }
+        if (options->is_verified && !options->triangles.empty()) {
+            return fail(ErrorCode::invalid_argument,
+                        "--verify is for meshes that one process reads: write a .ply file",
+                        options->triangles);
         }
         return run_octree(*options, world);
     };

@@ -15,6 +15,7 @@ namespace proxima {
 
 struct OctreeRunOptions {
     std::string model;
+    std::string triangles; ///< a .npy file where the model is one of vertices, or empty
     int depth = 5;
     std::uint32_t threshold = 1;
     int routing_depth = 5;

@@ -36,6 +36,14 @@ def ply(positions, triangles):
             + b"".join(struct.pack("<B3i", 3, *corners) for corners in triangles))
 
 
+def npy(rows, kind, letter, version=1):
+    """An array of N x 3 numbers as NumPy writes it: kind "<f8" and the like, with the letter that struct has for it."""
+    header = f"{{'descr': '{kind}', 'fortran_order': False, 'shape': ({len(rows)}, 3), }}"
+    header += " " * (-(len(header) + 9 + 2 * version) % 64) + "\n"
+    return (b"\x93NUMPY" + bytes([version, 0]) + struct.pack("<H" if version == 1 else "<I", len(header)) + header.encode()
+            + b"".join(struct.pack(f"<3{letter}", *row) for row in rows))
+
+
 def nasty_mesh(seed):
     """Slivers, corners on cell planes and triangles across everything, in no order."""
     chance = random.Random(seed)
@@ -121,6 +129,18 @@ class DistributedTest(unittest.TestCase):
         path = self.folder / name
         path.write_bytes(content)
         return path
+
+    def proxima(self, *arguments):
+        result = subprocess.run([PROXIMA, *map(str, arguments)], capture_output=True, text=True)
+        self.assertEqual(result.returncode, 0, result.stderr)
+        return result.stdout
+
+    @staticmethod
+    def figures(text):
+        """The two tables of an octree, without what differs from run to run."""
+        lines = [line.split() for line in text.splitlines()]
+        first = next(i for i, line in enumerate(lines) if line[:2] == ["Depth", "Threshold"])
+        return lines[first:first + 7]
 
 
 class Octree(DistributedTest):
@@ -211,18 +231,6 @@ class Errors(DistributedTest):
 class Saving(DistributedTest):
     """Files by proxima-mpi are those of proxima: checked by it against the mesh, and read back on other numbers of ranks."""
 
-    def proxima(self, *arguments):
-        result = subprocess.run([PROXIMA, *map(str, arguments)], capture_output=True, text=True)
-        self.assertEqual(result.returncode, 0, result.stderr)
-        return result.stdout
-
-    @staticmethod
-    def figures(text):
-        """The two tables of an octree, without what differs from run to run."""
-        lines = [line.split() for line in text.splitlines()]
-        first = next(i for i, line in enumerate(lines) if line[:2] == ["Depth", "Threshold"])
-        return lines[first:first + 7]
-
     def expect_round_trip(self, model, *options):
         one = self.folder / "one.pxo"
         expected = self.figures(self.proxima("octree", model, *options, "--save", one))
@@ -288,6 +296,45 @@ class Saving(DistributedTest):
         self.assertEqual(run(2, "octree", self.folder / "a.pxo", "--depth", 3).returncode, 1)
 
 
+class Arrays(DistributedTest):
+    def test_arrays_are_read_as_the_mesh_that_they_are(self):
+        positions, triangles = ball_in_a_box(2)
+        positions = [[struct.unpack("<f", struct.pack("<f", number))[0] for number in at] for at in positions]
+        mesh = self.file("mesh.ply", ply(positions, triangles))
+        options = ["--depth", 6, "--threshold", 2]
+        expected = self.figures(self.proxima("octree", mesh, *options))
+        for ranks, vertex_kind, corner_kind in ((1, ("<f4", "f"), ("<i8", "q")), (3, ("<f8", "d", 2), ("<u4", "I")), (4, ("<f8", "d"), ("<i2", "h", 2))):
+            vertices = self.file("vertices.npy", npy(positions, *vertex_kind))
+            corners = self.file("triangles.npy", npy(triangles, *corner_kind))
+            saved = self.folder / "octree.pxo"
+            result = run(ranks, "octree", vertices, "--triangles", corners, *options, "--save", saved)
+            self.assertEqual(result.returncode, 0, result.stderr)
+            self.assertEqual(self.figures(result.stdout), expected)
+            self.assertIn("every invariant holds against", self.proxima("check", saved, "--mesh", mesh))
+
+    def refuse(self, vertices, triangles, *says):
+        result = run(3, "octree", self.file("vertices.npy", vertices), "--triangles", self.file("triangles.npy", triangles))
+        self.assertEqual(result.returncode, 1, result.stderr)
+        self.assertEqual(len(messages(result.stderr)), 1, result.stderr)
+        for part in says:
+            self.assertIn(part, messages(result.stderr)[0])
+
+    def test_arrays_that_are_no_mesh(self):
+        positions, triangles = shell(random.Random(1), [0, 0, 0], 1, 5)
+        vertices, corners = npy(positions, "<f8", "d"), npy(triangles, "<i4", "i")
+        self.refuse(vertices[:-1], corners, "vertices.npy", "cut off")
+        self.refuse(vertices, corners[:-1], "triangles.npy", "cut off")
+        self.refuse(vertices[:60], corners, "vertices.npy")
+        self.refuse(b"", corners)
+        self.refuse(corners, corners, "vertices.npy", "real numbers")
+        self.refuse(vertices, vertices, "triangles.npy", "whole numbers")
+        self.refuse(vertices, npy([], "<i4", "i"), "no triangles")
+        self.refuse(vertices, npy([[0, 1, -1]], "<i8", "q"), "uses vertex -1")
+        self.refuse(vertices, npy([[0, 1, len(positions)]], "<u8", "Q"), f"uses vertex {len(positions)}")
+        self.refuse(vertices.replace(b"False", b"True "), corners, "C order")
+        self.refuse(npy(positions, ">f8", "d"), corners, "little-endian")
+
+
 class Exporting(DistributedTest):
     READER = Path(__file__).parent.parent / "octree" / "read_exported_leaves.py"
 
@@ -302,7 +349,7 @@ class Exporting(DistributedTest):
         options = ["--depth", 6, "--threshold", 2]
         for model in ("torus:30x20", self.file("ball & box.ply", ply(*ball_in_a_box(1)))):
             one = self.folder / "one.vtu"
-            subprocess.run([PROXIMA, "octree", model, *map(str, options), "--out", one], check=True, capture_output=True)
+            self.proxima("octree", model, *options, "--out", one)
             expected = self.leaves(one)
             for ranks in (1, 3):
                 path = self.folder / f"a & <b> {ranks}.pvtu"
