@@ -202,10 +202,11 @@ Result<OctreePart> octree_of(const OctreeRunOptions& options, World& world, std:
     if (!part) return part;
     part->whole_triangles = whole_triangles;
     MPI_Barrier(MPI_COMM_WORLD);
-    line = fmt::format("{}: {} triangles, {} ranks, read in {:.3f} s, built in {:.3f} s, the busiest "
-                       "rank's work {:.3f} s",
-                       options.model, whole_triangles, world.size(), loaded - start,
-                       MPI_Wtime() - loaded, world.max(world.work_seconds() - work_before));
+    line =
+        fmt::format("{}: {} triangles, {} ranks, read in {:.3f} s, built in {:.3f} s, the busiest "
+                    "rank's work {:.3f} s",
+                    options.model, whole_triangles, world.size(), loaded - start,
+                    MPI_Wtime() - loaded, world.max(world.work_seconds() - work_before));
     return part;
 }
 
