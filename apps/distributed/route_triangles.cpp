@@ -1,9 +1,12 @@
 #include "distributed/route_triangles.h"
 
-#include "distributed/routed_forest.h"
+#include "base/progress.h"
+#include "base/radix_sort.h"
 #include "octree/coarse_bins.h"
 
 #include <algorithm>
+#include <bit>
+#include <limits>
 
 namespace proxima {
 
@@ -12,6 +15,7 @@ namespace {
 struct RoutedTriangle {
     std::uint64_t id = 0;
     TriangleCorners corners = {}; ///< among the vertices of the same sender
+    std::uint32_t is_counted = 0; ///< 1 on the first rank that the triangle goes to
 };
 
 using Position = std::array<double, 3>;
@@ -26,8 +30,10 @@ int usable_depth(const OctreeFrame& frame, const RouteOptions& options)
     return depth;
 }
 
-/// The triangles of each cell of a depth. Throws std::bad_alloc.
-CoarseBins bins_of(const TriangleMesh& mesh, const OctreeFrame& frame, int depth)
+/// The triangles of each cell of a depth; not to be used once `progress` is cancelled. Throws
+/// std::bad_alloc.
+CoarseBins bins_of(const TriangleMesh& mesh, const OctreeFrame& frame, int depth,
+                   Progress* progress)
 {
     if (mesh.triangle_count() == 0) {
         CoarseBins bins;
@@ -35,7 +41,10 @@ CoarseBins bins_of(const TriangleMesh& mesh, const OctreeFrame& frame, int depth
         bins.first.assign((std::size_t{1} << (3 * depth)) + 1, 0);
         return bins;
     }
-    return bin_triangles(SnappedMesh(mesh, frame, Threads{1}, nullptr), depth, Threads{1}, nullptr);
+    begin_stage(progress, "routing", mesh.vertex_count() + 2 * mesh.triangle_count());
+    const SnappedMesh snapped(mesh, frame, Threads{1}, progress);
+    if (is_cancelled(progress)) return {};
+    return bin_triangles(snapped, depth, Threads{1}, progress);
 }
 
 /// Sets `ids` to the distinct triangles of a cell at or above the depth of the bins, ascending.
@@ -51,15 +60,28 @@ void merge(const CoarseBins& bins, std::uint64_t cell, int depth, std::vector<st
     ids.erase(std::unique(ids.begin(), ids.end()), ids.end());
 }
 
-std::vector<std::vector<CellCount>> count_cells(const CoarseBins& bins)
+constexpr std::uint32_t none = std::numeric_limits<std::uint32_t>::max();
+
+/// How many triangles touch the cells of each depth. Cells follow in Morton order, so that a triangle
+/// was counted for a cell before iff it was counted for that one last.
+std::vector<std::vector<CellCount>> count_cells(const CoarseBins& bins, std::size_t triangles)
 {
     std::vector<std::vector<CellCount>> counts;
-    std::vector<std::uint32_t> ids;
+    std::vector<std::uint32_t> last_cell;
     for (int depth = 0; depth <= bins.depth; ++depth) {
+        const int shift = 3 * (bins.depth - depth);
+        last_cell.assign(triangles, none);
         auto& at_depth = counts.emplace_back();
-        for (std::uint64_t cell = 0; cell < std::uint64_t{1} << (3 * depth); ++cell) {
-            merge(bins, cell, depth, ids);
-            if (!ids.empty()) at_depth.push_back({cell, ids.size()});
+        for (std::size_t bin = 0; bin < bins.cell_count(); ++bin) {
+            const auto cell = static_cast<std::uint32_t>(bin >> shift);
+            std::uint64_t count = 0;
+            for (const std::uint32_t id : bins.triangles(bin)) {
+                count += last_cell[id] != cell ? 1 : 0;
+                last_cell[id] = cell;
+            }
+            if (count == 0) continue;
+            if (at_depth.empty() || at_depth.back().cell != cell) at_depth.push_back({cell, 0});
+            at_depth.back().triangles += count;
         }
     }
     return counts;
@@ -70,47 +92,70 @@ struct Messages {
     std::vector<std::vector<Position>> vertices;
 };
 
-/// The triangles of one rank, with the vertices that they use.
-void pack(const MeshSlice& slice, const std::vector<std::uint32_t>& ids,
-          std::vector<RoutedTriangle>& triangles, std::vector<Position>& vertices)
-{
-    std::vector<std::uint32_t> used;
-    for (const std::uint32_t id : ids) {
-        const TriangleCorners& corners = slice.mesh.triangles()[id];
-        used.insert(used.end(), corners.begin(), corners.end());
-    }
-    std::ranges::sort(used);
-    used.erase(std::unique(used.begin(), used.end()), used.end());
-    for (const std::uint32_t vertex : used) {
-        const Vec3& at = slice.mesh.positions()[vertex];
-        vertices.push_back({at[0], at[1], at[2]});
-    }
-    for (const std::uint32_t id : ids) {
-        RoutedTriangle& triangle = triangles.emplace_back();
-        triangle.id = slice.first_triangle + id;
-        for (std::size_t k = 0; k < 3; ++k) {
-            const auto at = std::ranges::lower_bound(used, slice.mesh.triangles()[id][k]);
-            triangle.corners[k] = static_cast<std::uint32_t>(at - used.begin());
+/// Packs triangles of one slice for one rank after the other, with the vertices that they use.
+class Packer {
+public:
+    explicit Packer(const MeshSlice& slice)
+        : slice_(slice), is_packed_(slice.mesh.triangle_count()),
+          number_(slice.mesh.vertex_count(), none)
+    {}
+
+    void pack(const std::vector<std::uint32_t>& ids, std::vector<RoutedTriangle>& triangles,
+              std::vector<Position>& vertices)
+    {
+        triangles.reserve(ids.size());
+        std::vector<std::uint32_t> used;
+        for (const std::uint32_t id : ids) {
+            RoutedTriangle& triangle = triangles.emplace_back();
+            triangle.id = slice_.first_triangle + id;
+            triangle.is_counted = is_packed_[id] ? 0 : 1;
+            is_packed_[id] = true;
+            for (std::size_t k = 0; k < 3; ++k) {
+                const std::uint32_t vertex = slice_.mesh.triangles()[id][k];
+                if (number_[vertex] == none) {
+                    number_[vertex] = static_cast<std::uint32_t>(used.size());
+                    used.push_back(vertex);
+                }
+                triangle.corners[k] = number_[vertex];
+            }
+        }
+        vertices.reserve(used.size());
+        for (const std::uint32_t vertex : used) {
+            const Vec3& at = slice_.mesh.positions()[vertex];
+            vertices.push_back({at[0], at[1], at[2]});
+            number_[vertex] = none;
         }
     }
-}
 
-Messages pack_all(const MeshSlice& slice, const CoarseBins& bins, const RoutedForest& forest,
-                  std::size_t ranks)
+private:
+    const MeshSlice& slice_;
+    std::vector<bool> is_packed_;       ///< for an earlier rank
+    std::vector<std::uint32_t> number_; ///< of each vertex in the rank's message
+};
+
+Result<Messages> pack_all(const MeshSlice& slice, const CoarseBins& bins,
+                          const RoutedForest& forest, std::size_t ranks, Progress* progress)
 {
+    // Owners of cells in Morton order ascend, so that a triangle's last one tells repeats.
     std::vector<std::vector<std::uint32_t>> ids(ranks);
+    std::vector<std::uint32_t> last_owner(slice.mesh.triangle_count(), none);
     for (std::size_t cell = 0; cell < bins.cell_count(); ++cell) {
         if (bins.count(cell) == 0) continue;
-        auto& to = ids[static_cast<std::size_t>(forest.owner(cell, bins.depth))];
-        const auto here = bins.triangles(cell);
-        to.insert(to.end(), here.begin(), here.end());
+        const auto owner = static_cast<std::uint32_t>(forest.owner(cell, bins.depth));
+        for (const std::uint32_t id : bins.triangles(cell)) {
+            if (last_owner[id] != owner) ids[owner].push_back(id);
+            last_owner[id] = owner;
+        }
     }
     Messages messages{std::vector<std::vector<RoutedTriangle>>(ranks),
                       std::vector<std::vector<Position>>(ranks)};
+    Packer packer(slice);
+    StageSteps steps(progress, "packing", bins.ids.size());
+    const auto bits = static_cast<unsigned>(std::bit_width(slice.mesh.triangle_count()));
     for (std::size_t r = 0; r < ranks; ++r) {
-        std::ranges::sort(ids[r]);
-        ids[r].erase(std::unique(ids[r].begin(), ids[r].end()), ids[r].end());
-        pack(slice, ids[r], messages.triangles[r], messages.vertices[r]);
+        const auto key_of = [](std::uint32_t id) { return std::uint64_t{id}; };
+        if (!radix_sort(ids[r], bits, key_of, steps)) return cancelled("routing triangles");
+        packer.pack(ids[r], messages.triangles[r], messages.vertices[r]);
         std::vector<std::uint32_t>().swap(ids[r]);
     }
     return messages;
@@ -130,6 +175,7 @@ Status unpack(const Received<RoutedTriangle>& triangles, const Received<Position
         for (std::size_t i = triangles.first[r]; i < triangles.first[r + 1]; ++i) {
             const RoutedTriangle& triangle = triangles.items[i];
             part.triangles.push_back(triangle.id);
+            part.is_counted.push_back(triangle.is_counted != 0);
             corners.push_back({triangle.corners[0] + shift, triangle.corners[1] + shift,
                                triangle.corners[2] + shift});
         }
@@ -141,9 +187,11 @@ Status unpack(const Received<RoutedTriangle>& triangles, const Received<Position
 }
 
 /// Fills the lists of part.keys.
-Status list_triangles(const OctreeFrame& frame, int routing_depth, RoutedPart& part)
+Status list_triangles(const OctreeFrame& frame, int routing_depth, Progress* progress,
+                      RoutedPart& part)
 {
-    const CoarseBins bins = bins_of(part.mesh, frame, routing_depth);
+    const CoarseBins bins = bins_of(part.mesh, frame, routing_depth, progress);
+    if (is_cancelled(progress)) return cancelled("routing triangles");
     std::vector<std::uint32_t> ids;
     part.first.push_back(0);
     for (const CellKey key : part.keys) {
@@ -164,18 +212,22 @@ Result<RoutedPart> route_triangles(MeshSlice slice, const OctreeFrame& frame,
     CoarseBins bins;
     std::vector<std::vector<CellCount>> counts;
     Status status = world.agree_on([&]() -> Status {
-        bins = bins_of(slice.mesh, frame, routing_depth);
-        counts = count_cells(bins);
+        bins = bins_of(slice.mesh, frame, routing_depth, &world.progress());
+        if (is_cancelled(&world.progress())) return cancelled("routing triangles");
+        counts = count_cells(bins, slice.mesh.triangle_count());
         return {};
     });
     if (!status) return tl::unexpected(status.error());
-    RoutedForest forest;
-    status = forest.build(counts, options.threshold, world);
+    auto forest = std::make_unique<RoutedForest>();
+    status = forest->build(counts, options.threshold, world);
     if (!status) return tl::unexpected(status.error());
 
     Messages messages;
     status = world.agree_on([&]() -> Status {
-        messages = pack_all(slice, bins, forest, static_cast<std::size_t>(world.size()));
+        auto packed = pack_all(slice, bins, *forest, static_cast<std::size_t>(world.size()),
+                               &world.progress());
+        if (!packed) return tl::unexpected(packed.error());
+        messages = std::move(*packed);
         slice = MeshSlice{};
         bins = CoarseBins{};
         return {};
@@ -191,10 +243,11 @@ Result<RoutedPart> route_triangles(MeshSlice slice, const OctreeFrame& frame,
         if (!unpacked) return unpacked;
         *triangles = {};
         *vertices = {};
-        part.keys = forest.cells();
-        return list_triangles(frame, routing_depth, part);
+        part.keys = forest->cells();
+        return list_triangles(frame, routing_depth, &world.progress(), part);
     });
     if (!status) return tl::unexpected(status.error());
+    part.forest = std::move(forest);
     return part;
 }
 

@@ -1,39 +1,33 @@
 """proxima-mpi on 1 to 4 ranks: the octree is that of one process, and what cannot be done ends all ranks with one message."""
 import os
 import random
+import signal
 import struct
 import subprocess
 import tempfile
 import unittest
 from pathlib import Path
 
+from generated_meshes import ball_in_a_box, nasty_mesh, npy, ply, shell, surfaces
+
 PROXIMA, PROGRAM, MPIRUN = (os.environ[name] for name in ("PROXIMA", "PROXIMA_MPI", "MPIRUN"))
 SECONDS = 200
+SURFACES = int(os.environ.get("SURFACES", "12"))
 
 
-def run(ranks, *arguments):
+def command(ranks, *arguments):
     root = ["--allow-run-as-root"] if os.geteuid() == 0 else []
     # Containers forbid the copies between processes that Open MPI would make by a system call.
     single_copy = ["--mca", "btl_vader_single_copy_mechanism", "none"]
-    return subprocess.run([MPIRUN, *root, *single_copy, "--oversubscribe", "-n", str(ranks), PROGRAM, *map(str, arguments)],
-                          capture_output=True, text=True, timeout=SECONDS)
+    return [MPIRUN, *root, *single_copy, "--oversubscribe", "-n", str(ranks), PROGRAM, *map(str, arguments)]
 
 
-def ply(positions, triangles):
-    header = (f"ply\nformat binary_little_endian 1.0\nelement vertex {len(positions)}\nproperty double x\nproperty double y\n"
-              f"property double z\nelement face {len(triangles)}\nproperty list uchar int vertex_indices\nend_header\n")
-    return (header.encode() + b"".join(struct.pack("<3d", *at) for at in positions)
-            + b"".join(struct.pack("<B3i", 3, *corners) for corners in triangles))
+def run(ranks, *arguments):
+    return subprocess.run(command(ranks, *arguments), capture_output=True, text=True, timeout=SECONDS)
 
 
-def nasty_mesh(seed):
-    """Slivers, corners on cell planes and triangles across everything, in no order."""
-    chance = random.Random(seed)
-    kinds = [lambda: [float(chance.randrange(9)) for _ in range(3)],
-             lambda: [chance.uniform(0, 8) for _ in range(3)]]
-    positions = [kinds[seed % 2]() for _ in range(chance.randrange(3, 200))]
-    count = chance.randrange(1, 300)
-    return positions, [[chance.randrange(len(positions)) for _ in range(3)] for _ in range(count)]
+def messages(text):
+    return [line for line in text.splitlines() if line.startswith("proxima-mpi: ")]
 
 
 class DistributedTest(unittest.TestCase):
@@ -47,13 +41,25 @@ class DistributedTest(unittest.TestCase):
         path.write_bytes(content)
         return path
 
+    def proxima(self, *arguments):
+        result = subprocess.run([PROXIMA, *map(str, arguments)], capture_output=True, text=True)
+        self.assertEqual(result.returncode, 0, result.stderr)
+        return result.stdout
+
+    @staticmethod
+    def figures(text):
+        """The two tables of an octree, without what differs from run to run."""
+        lines = [line.split() for line in text.splitlines()]
+        first = next(i for i, line in enumerate(lines) if line[:2] == ["Depth", "Threshold"])
+        return lines[first:first + 7]
+
 
 class Octree(DistributedTest):
     def expect_same(self, model, *options, ranks=(1, 2, 3, 4)):
         for count in ranks:
             result = run(count, "octree", model, *options, "--verify")
             self.assertEqual(result.returncode, 0, f"{model} on {count} ranks: {result.stderr}")
-            self.assertIn("Leaves and lists are those of one process.", result.stdout)
+            self.assertIn("Leaves, lists and classes are those of one process.", result.stdout)
         return result.stdout
 
     def test_torus(self):
@@ -74,6 +80,17 @@ class Octree(DistributedTest):
             path = self.file(f"nasty_{seed}.ply", ply(*nasty_mesh(seed)))
             self.expect_same(path, "--depth", 4 + seed % 2, "--threshold", seed, "--routing-depth", 1 + seed, ranks=(1 + seed % 4, 4))
 
+    def test_closed_and_open_surfaces(self):
+        for seed in range(SURFACES):
+            path = self.file(f"surfaces_{seed}.ply", ply(*surfaces(seed)))
+            self.expect_same(path, "--depth", 5 + seed % 3, "--threshold", seed % 3, "--routing-depth", 1 + seed % 6,
+                             ranks=(1 + seed % 4, 2 + (seed + 1) % 3))
+
+    def test_ranks_that_see_no_way_out(self):
+        for seed in range(4):
+            path = self.file(f"ball_{seed}.ply", ply(*ball_in_a_box(seed)))
+            self.expect_same(path, "--depth", 7, "--threshold", 20, "--routing-depth", 6, ranks=(4, 7))
+
     def test_statistics_are_those_of_the_program(self):
         options = ["--depth", 7, "--threshold", 8]
         one = subprocess.run([PROXIMA, "octree", "torus:200x100", *map(str, options)], capture_output=True, text=True, check=True).stdout
@@ -87,7 +104,7 @@ class Errors(DistributedTest):
         result = run(ranks, "octree", path)
         self.assertEqual(result.returncode, 1, result.stderr)
         self.assertEqual(result.stdout.count("triangles,"), 0)
-        lines = [line for line in result.stderr.splitlines() if line.startswith("proxima-mpi: ")]
+        lines = messages(result.stderr)
         self.assertEqual(len(lines), 1, result.stderr)
         for part in says:
             self.assertIn(part, lines[0])
@@ -120,6 +137,199 @@ class Errors(DistributedTest):
         for arguments in (["--depth", "19"], ["--routing-depth", "7"], ["--threshold", "-1"]):
             result = run(2, "octree", "torus:9x9", *arguments)
             self.assertEqual(result.returncode, 2, result.stderr)
+
+
+class Saving(DistributedTest):
+    """Files by proxima-mpi are those of proxima: checked by it against the mesh, and read back on other numbers of ranks."""
+
+    def expect_round_trip(self, model, *options):
+        one = self.folder / "one.pxo"
+        expected = self.figures(self.proxima("octree", model, *options, "--save", one))
+        for ranks in (1, 3):
+            file = self.folder / f"by_{ranks}.pxo"
+            result = run(ranks, "octree", model, *options, "--save", file)
+            self.assertEqual(result.returncode, 0, result.stderr)
+            self.assertEqual(self.figures(result.stdout), expected)
+            self.assertIn("every invariant holds against", self.proxima("check", file, "--mesh", model, "--strict"))
+            self.assertEqual(self.figures(self.proxima("octree", file)), expected)
+            self.assertEqual(file.stat().st_size, one.stat().st_size)
+        for ranks, file in ((2, self.folder / "by_3.pxo"), (4, self.folder / "by_1.pxo"), (3, one)):
+            again = self.folder / "again.pxo"
+            result = run(ranks, "octree", file, "--save", again, "--routing-depth", ranks)
+            self.assertEqual(result.returncode, 0, result.stderr)
+            self.assertEqual(self.figures(result.stdout), expected)
+            self.assertIn("every invariant holds against", self.proxima("check", again, "--mesh", model, "--strict"))
+
+    def test_files_of_other_numbers_of_ranks(self):
+        self.expect_round_trip("torus:100x60", "--depth", 6, "--threshold", 4)
+        self.expect_round_trip("torus:9x9", "--depth", 0)
+        self.expect_round_trip(self.file("surfaces.ply", ply(*surfaces(1))), "--depth", 6, "--threshold", 1)
+
+    def refuse(self, path, *says):
+        result = run(3, "octree", path)
+        self.assertEqual(result.returncode, 1, result.stderr)
+        self.assertEqual(len(messages(result.stderr)), 1, result.stderr)
+        for part in (path.name, *says):
+            self.assertIn(part, messages(result.stderr)[0])
+
+    def test_damaged_files(self):
+        good = self.folder / "good.pxo"
+        self.proxima("octree", "torus:40x20", "--depth", 5, "--save", good)
+        content = good.read_bytes()
+        for length in (0, 7, 39, 200, len(content) // 2, len(content) - 1):
+            self.refuse(self.file("cut.pxo", content[:length]))
+        chance = random.Random(5)
+        for _ in range(4):
+            bad = bytearray(content)
+            bad[chance.randrange(len(bad))] ^= 1 << chance.randrange(8)
+            self.refuse(self.file("flipped.pxo", bytes(bad)))
+        self.proxima("octree", "torus:40x20", "--depth", 3, "--uniform", "--save", good)
+        self.refuse(good, "uniform")
+
+    def test_a_full_disk_keeps_the_old_file(self):
+        file = self.file("old.pxo", b"old")
+        # Ranks that talk through files in memory would meet the limit before there is anything to save.
+        words = command(3, "octree", "torus:100x60", "--depth", 7, "--save", file)
+        words[words.index(PROGRAM):words.index(PROGRAM)] = ["--mca", "btl", "self,tcp", "bash", "-c", 'ulimit -f 100; exec "$@"', "-"]
+        result = subprocess.run(words, capture_output=True, text=True, timeout=SECONDS, env={**os.environ, "PMIX_MCA_gds": "hash"})
+        self.assertEqual(result.returncode, 1, result.stderr)
+        self.assertEqual(len(messages(result.stderr)), 1, result.stderr)
+        self.assertIn("cannot write this file", messages(result.stderr)[0])
+        self.assertEqual(file.read_bytes(), b"old")
+        self.assertEqual([path.name for path in self.folder.iterdir()], ["old.pxo"])
+
+    def test_what_cannot_be_written(self):
+        result = run(2, "octree", "torus:9x9", "--save", self.folder / "none" / "a.pxo")
+        self.assertEqual(result.returncode, 1, result.stderr)
+        self.assertIn("does not exist", messages(result.stderr)[0])
+        self.assertEqual(run(2, "octree", "torus:9x9", "--save", self.folder / "a.ply").returncode, 2)
+        self.proxima("octree", "torus:9x9", "--save", self.folder / "a.pxo")
+        self.assertEqual(run(2, "octree", self.folder / "a.pxo", "--depth", 3).returncode, 1)
+
+
+class Arrays(DistributedTest):
+    def test_arrays_are_read_as_the_mesh_that_they_are(self):
+        positions, triangles = ball_in_a_box(2)
+        positions = [[struct.unpack("<f", struct.pack("<f", number))[0] for number in at] for at in positions]
+        mesh = self.file("mesh.ply", ply(positions, triangles))
+        options = ["--depth", 6, "--threshold", 2]
+        expected = self.figures(self.proxima("octree", mesh, *options))
+        for ranks, vertex_kind, corner_kind in ((1, ("<f4", "f"), ("<i8", "q")), (3, ("<f8", "d", 2), ("<u4", "I")), (4, ("<f8", "d"), ("<i2", "h", 2))):
+            vertices = self.file("vertices.npy", npy(positions, *vertex_kind))
+            corners = self.file("triangles.npy", npy(triangles, *corner_kind))
+            saved = self.folder / "octree.pxo"
+            result = run(ranks, "octree", vertices, "--triangles", corners, *options, "--save", saved)
+            self.assertEqual(result.returncode, 0, result.stderr)
+            self.assertEqual(self.figures(result.stdout), expected)
+            self.assertIn("every invariant holds against", self.proxima("check", saved, "--mesh", mesh))
+
+    def refuse(self, vertices, triangles, *says):
+        result = run(3, "octree", self.file("vertices.npy", vertices), "--triangles", self.file("triangles.npy", triangles))
+        self.assertEqual(result.returncode, 1, result.stderr)
+        self.assertEqual(len(messages(result.stderr)), 1, result.stderr)
+        for part in says:
+            self.assertIn(part, messages(result.stderr)[0])
+
+    def test_arrays_that_are_no_mesh(self):
+        positions, triangles = shell(random.Random(1), [0, 0, 0], 1, 5)
+        vertices, corners = npy(positions, "<f8", "d"), npy(triangles, "<i4", "i")
+        self.refuse(vertices[:-1], corners, "vertices.npy", "cut off")
+        self.refuse(vertices, corners[:-1], "triangles.npy", "cut off")
+        self.refuse(vertices[:60], corners, "vertices.npy")
+        self.refuse(b"", corners)
+        self.refuse(corners, corners, "vertices.npy", "real numbers")
+        self.refuse(vertices, vertices, "triangles.npy", "whole numbers")
+        self.refuse(vertices, npy([], "<i4", "i"), "no triangles")
+        self.refuse(vertices, npy([[0, 1, -1]], "<i8", "q"), "uses vertex -1")
+        self.refuse(vertices, npy([[0, 1, len(positions)]], "<u8", "Q"), f"uses vertex {len(positions)}")
+        self.refuse(vertices.replace(b"False", b"True "), corners, "C order")
+        self.refuse(npy(positions, ">f8", "d"), corners, "little-endian")
+
+
+class Exporting(DistributedTest):
+    READER = Path(__file__).parent.parent / "octree" / "read_exported_leaves.py"
+
+    def leaves(self, path):
+        result = subprocess.run(["/usr/bin/python3", self.READER, path], capture_output=True, text=True)
+        if result.returncode == 77:
+            self.skipTest(result.stdout)
+        self.assertEqual(result.returncode, 0, result.stderr)
+        return result.stdout
+
+    def test_paraview_has_the_leaves_of_one_process(self):
+        options = ["--depth", 6, "--threshold", 2]
+        for model in ("torus:30x20", self.file("ball & box.ply", ply(*ball_in_a_box(1)))):
+            one = self.folder / "one.vtu"
+            self.proxima("octree", model, *options, "--out", one)
+            expected = self.leaves(one)
+            for ranks in (1, 3):
+                path = self.folder / f"a & <b> {ranks}.pvtu"
+                result = run(ranks, "octree", model, *options, "--out", path)
+                self.assertEqual(result.returncode, 0, result.stderr)
+                self.assertEqual(path.read_text().count("<Piece"), ranks)
+                self.assertEqual(self.leaves(path), expected)
+
+    def test_ranks_without_leaves_have_no_piece(self):
+        path = self.folder / "leaves.pvtu"
+        self.assertEqual(run(4, "octree", "torus:9x9", "--depth", 0, "--out", path).returncode, 0)
+        self.assertEqual(path.read_text().count("<Piece"), 1)
+        self.assertEqual(self.leaves(path).count("\n"), 2)
+
+    def test_an_export_that_fails_leaves_none(self):
+        path = self.folder / "leaves.pvtu"
+        self.assertEqual(run(3, "octree", "torus:30x20", "--out", path).returncode, 0)
+        (self.folder / "leaves_1.vtu").unlink()
+        (self.folder / "leaves_1.vtu").mkdir()
+        result = run(3, "octree", "torus:40x20", "--out", path)
+        self.assertEqual(result.returncode, 1, result.stderr)
+        self.assertEqual(len(messages(result.stderr)), 1, result.stderr)
+        self.assertIn("leaves_1.vtu: cannot write this file", result.stderr)
+        self.assertFalse(path.exists())
+
+
+class Stopping(DistributedTest):
+    def start(self):
+        """A run that takes a while, once it is under way."""
+        process = subprocess.Popen(command(2, "--progress", "octree", "torus:1500x1000", "--depth", 11), text=True,
+                                   stdout=subprocess.PIPE, stderr=subprocess.PIPE)
+        self.addCleanup(process.kill)
+        self.assertIn("proxima: ", process.stderr.readline())
+        return process
+
+    @staticmethod
+    def ranks(process):
+        """The process numbers of the ranks."""
+        below = Path(f"/proc/{process.pid}/task/{process.pid}/children").read_text().split()
+        return [int(number) for number in below if Path(f"/proc/{number}/comm").read_text().strip() == Path(PROGRAM).name[:15]]
+
+    def expect_stopped(self, errors):
+        self.assertEqual(len(messages(errors)), 1, errors)
+        self.assertTrue(messages(errors)[0].endswith("was stopped on request"), errors)
+
+    def test_interrupt_as_a_terminal_sends_it(self):
+        process = self.start()
+        process.send_signal(signal.SIGINT)
+        out, errors = process.communicate(timeout=SECONDS)
+        self.assertNotEqual(process.returncode, 0)
+        if messages(errors):  # mpirun kills ranks that take more than a second to end
+            self.expect_stopped(errors)
+        self.assertEqual(out.count("triangles,"), 0)
+
+    def test_interrupt_of_one_rank_stops_all(self):
+        process = self.start()
+        os.kill(self.ranks(process)[1], signal.SIGINT)
+        out, errors = process.communicate(timeout=SECONDS)
+        self.assertEqual(process.returncode, 128 + signal.SIGINT)
+        self.expect_stopped(errors)
+        self.assertEqual(out.count("triangles,"), 0)
+
+    def test_a_killed_rank_ends_the_run(self):
+        process = self.start()
+        os.kill(self.ranks(process)[1], signal.SIGKILL)
+        out, errors = process.communicate(timeout=SECONDS)
+        self.assertEqual(process.returncode, 128 + signal.SIGKILL)
+        self.assertIn("signal 9", errors)
+        self.assertEqual(out.count("triangles,"), 0)
 
 
 if __name__ == "__main__":
