@@ -1,6 +1,7 @@
-// proxima-mpi: octrees of meshes that are spread over the processes of a run. Run it by mpirun.
+// proxima-mpi: octrees of meshes, and questions to meshes, that are spread over the processes of a run. Run it by mpirun.
 // This program links p4est, which is under the GPL.
 #include "distributed/octree_command.h"
+#include "distributed/query_command.h"
 
 #include "proxima/octree.h"
 
@@ -16,7 +17,7 @@ namespace {
 /// The arguments' options, or the exit status where there is nothing to do. Only rank 0 prints.
 int run(int argc, char** argv, World& world)
 {
-    CLI::App app("Octrees of triangle meshes over several processes");
+    CLI::App app("Octrees of triangle meshes, and queries, over several processes");
     app.set_version_flag("--version", "proxima-mpi " PROXIMA_VERSION);
     app.require_subcommand(1);
     OctreeRunOptions options;
@@ -36,13 +37,14 @@ int run(int argc, char** argv, World& world)
         ->check(CLI::Range(0, 6));
     octree->add_flag("--verify", options.is_verified,
                      "Build the whole octree on the first process, too, and compare");
+    const QueryCommands queries(app);
     try {
         app.parse(argc, argv);
     } catch (const CLI::ParseError& error) {
         if (world.rank() != 0) return error.get_exit_code() == 0 ? 0 : 2;
         return app.exit(error) == 0 ? 0 : 2;
     }
-    const Status status = run_octree(options, world);
+    const Status status = queries.is_given() ? queries.run(world) : run_octree(options, world);
     if (status) return 0;
     if (world.rank() == 0) {
         std::fprintf(stderr, "proxima-mpi: %s\n", describe(status.error()).c_str());

@@ -61,11 +61,41 @@ public:
         return exchange_items<T>(outgoing);
     }
 
+    /// Sends answers[i] back to where received.items[i] came from: there answers have the order of
+    /// the items that were sent. Takes the answers.
+    template <class T, class Answer>
+    [[nodiscard]] Result<Received<Answer>> reply(const Received<T>& received,
+                                                 std::vector<Answer>&& answers)
+    {
+        std::vector<std::vector<Answer>> outgoing(static_cast<std::size_t>(size_));
+        const Status status = agree_on([&]() -> Status {
+            for (std::size_t r = 0; r < outgoing.size(); ++r) {
+                const auto from = answers.begin();
+                outgoing[r].assign(from + static_cast<std::ptrdiff_t>(received.first[r]),
+                                   from + static_cast<std::ptrdiff_t>(received.first[r + 1]));
+            }
+            std::vector<Answer>().swap(answers);
+            return {};
+        });
+        if (!status) return tl::unexpected(status.error());
+        return exchange(std::move(outgoing));
+    }
+
     [[nodiscard]] std::uint64_t sum(std::uint64_t value) const;
     [[nodiscard]] std::uint64_t max(std::uint64_t value) const;
     [[nodiscard]] std::uint64_t min(std::uint64_t value) const;
     /// The sum over the ranks below this one.
     [[nodiscard]] std::uint64_t sum_before(std::uint64_t value) const;
+    /// The values of all ranks, on all of them.
+    template <class T>
+    [[nodiscard]] std::vector<T> share(const T& value) const
+    {
+        static_assert(std::is_trivially_copyable_v<T>);
+        std::vector<T> values(static_cast<std::size_t>(size_));
+        MPI_Allgather(&value, sizeof(T), MPI_BYTE, values.data(), sizeof(T), MPI_BYTE,
+                      MPI_COMM_WORLD);
+        return values;
+    }
     /// The values of all ranks, on rank 0; empty elsewhere.
     [[nodiscard]] std::vector<std::uint64_t> gather(std::uint64_t value) const;
 
@@ -124,5 +154,8 @@ private:
     int size_ = 1;
     std::uint64_t sent_bytes_ = 0;
 };
+
+/// The most memory that this process had so far, in 10^6 bytes; 0 where the system does not say.
+[[nodiscard]] std::uint64_t peak_megabytes();
 
 } // namespace proxima

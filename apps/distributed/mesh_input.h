@@ -1,0 +1,21 @@
+// What a command of proxima-mpi begins with: the slices of its mesh, and the box of the whole.
+#pragma once
+
+#include "distributed/mesh_slice.h"
+#include "distributed/world.h"
+
+#include <string>
+
+namespace proxima {
+
+/// This rank's slice of a model: a binary little-endian .ply file, or torus:NxM. Collective.
+[[nodiscard]] Result<MeshSlice> load_slice(const std::string& model, World& world);
+
+/// The box of the whole mesh. Error invalid_mesh where a coordinate is NaN, infinite or too large
+/// for exact arithmetic. Collective.
+[[nodiscard]] Result<Box> whole_box(const MeshSlice& slice, const World& world);
+
+/// All of the model, on one process, for comparisons.
+[[nodiscard]] Result<TriangleMesh> whole_mesh(const std::string& model);
+
+} // namespace proxima

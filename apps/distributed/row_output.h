@@ -1,0 +1,56 @@
+// The rows of answers, which ranks make and rank 0 writes in their order.
+#pragma once
+
+#include "base/output_file.h"
+#include "cli/answer_table.h"
+#include "distributed/world.h"
+
+#include <fmt/format.h>
+#include <optional>
+#include <string>
+
+namespace proxima {
+
+class RowOutput {
+public:
+    /// "-" is stdout. Errors: those of answer_format, file_not_writable. Collective.
+    [[nodiscard]] static Result<RowOutput> open(const std::string& path, const World& world);
+
+    /// make(format) returns the text before all rows. Collective.
+    template <class Make>
+    [[nodiscard]] Status write_header(const Make& make)
+    {
+        return world_->agree_on([&] { return write_text(is_writer() ? make(format_) : ""); });
+    }
+
+    /// make(format) returns the text of this rank's rows: those of rank 0 come first. Collective.
+    template <class Make>
+    [[nodiscard]] Status write(const Make& make, World& world)
+    {
+        std::vector<std::vector<char>> outgoing(static_cast<std::size_t>(world.size()));
+        const Status status = world.agree_on([&]() -> Status {
+            const fmt::memory_buffer text = make(format_);
+            outgoing[0].assign(text.begin(), text.end());
+            return {};
+        });
+        if (!status) return status;
+        const auto rows = world.exchange(std::move(outgoing));
+        if (!rows) return tl::unexpected(rows.error());
+        return world.agree_on([&] { return write_text({rows->items.data(), rows->items.size()}); });
+    }
+
+    /// The file appears. Collective.
+    [[nodiscard]] Status commit();
+
+private:
+    RowOutput(const World& world, AnswerFormat format) : world_(&world), format_(format) {}
+
+    [[nodiscard]] bool is_writer() const noexcept { return world_->rank() == 0; }
+    [[nodiscard]] Status write_text(std::string_view text);
+
+    const World* world_;
+    AnswerFormat format_;
+    std::optional<OutputFile> file_; ///< on rank 0; none for stdout
+};
+
+} // namespace proxima
