@@ -3,6 +3,7 @@
 #include "distributed/ask_ranks.h"
 #include "query/closest/describe_closest.h"
 #include "query/closest/find_closest.h"
+#include "query/closest/on_feature.h"
 
 #include <algorithm>
 #include <cmath>
@@ -30,14 +31,20 @@ double reach_of(double squared) noexcept
     return (std::sqrt(squared) + 0x1p-38) * (1 + 0x1p-20);
 }
 
-ClosestOfWhole whole_answer(const MeshPart& part, const RowDistance& found)
+ClosestOfWhole whole_answer(const MeshPart& part, const Vec3& p, const RowDistance& found)
 {
     ClosestOfWhole answer;
     if (!found.found()) return answer;
-    const ClosestFeature own = describe_closest(part.index.parts(), found);
+    const IndexParts& index = part.index.parts();
+    const ClosestFeature own = describe_closest(index, found);
     answer.squared = found.squared;
     answer.kind = static_cast<std::uint32_t>(found.kind());
     answer.point = {own.point[0], own.point[1], own.point[2]};
+    const auto is_on = [&](const auto& rows) {
+        return is_on_feature(rows[found.rank], own.feature, std::sqrt(own.squared_distance), p);
+    };
+    answer.is_on_feature =
+        index.double_rows().empty() ? is_on(index.float_rows()) : is_on(index.double_rows());
     if (found.kind() == FeatureKind::face) {
         answer.feature = answer.triangle = part.triangles[found.id()];
     } else {
@@ -55,7 +62,8 @@ std::vector<ClosestOfWhole> answer_points(const MeshPart& part,
     answers.reserve(questions.size());
     for (const PointQuestion& question : questions) {
         const Vec3 p(question.point.data());
-        answers.push_back(whole_answer(part, find_closest(part.index.parts(), p, question.known)));
+        answers.push_back(
+            whole_answer(part, p, find_closest(part.index.parts(), p, question.known)));
     }
     return answers;
 }

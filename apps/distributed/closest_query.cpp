@@ -4,9 +4,6 @@
 
 namespace proxima {
 
-namespace {
-
-/// What of an answer differs from the library's; empty where nothing does.
 std::string_view difference(const ClosestOfWhole& answer, const ClosestFeature& expected,
                             double scale)
 {
@@ -22,8 +19,6 @@ std::string_view difference(const ClosestOfWhole& answer, const ClosestFeature& 
     return {};
 }
 
-} // namespace
-
 std::vector<Vec3> points_of(const TableRows& rows)
 {
     std::vector<Vec3> points;
@@ -38,12 +33,16 @@ Result<std::vector<ClosestOfWhole>> ClosestQuery::answer(const MeshPart& part,
     return closest_over_ranks(part, points_of(rows), world);
 }
 
+AnswerRow row_of(const MeshPart& part, std::uint64_t index, const ClosestOfWhole& answer)
+{
+    return {index,           answer.distance(part.scale),           Vec3(answer.point.data()),
+            answer.triangle, static_cast<FeatureKind>(answer.kind), answer.feature};
+}
+
 void ClosestQuery::append(const MeshPart& part, std::uint64_t index, const Answer& answer,
                           AnswerFormat format, fmt::memory_buffer& text)
 {
-    append_answer(text, format,
-                  {index, answer.distance(part.scale), Vec3(answer.point.data()), answer.triangle,
-                   static_cast<FeatureKind>(answer.kind), answer.feature});
+    append_answer(text, format, row_of(part, index, answer));
 }
 
 Status ClosestQuery::verify(const MeshIndex& oracle, const MeshPart& part, const TableRows& rows,

@@ -21,6 +21,13 @@ inline constexpr std::array<std::string_view, 1> point_layouts = {"x,y,z"};
 /// \pre rows of x,y,z
 [[nodiscard]] std::vector<Vec3> points_of(const TableRows& rows);
 
+[[nodiscard]] AnswerRow row_of(const MeshPart& part, std::uint64_t index,
+                               const ClosestOfWhole& answer);
+
+/// What of an answer differs from the library's; empty where nothing does.
+[[nodiscard]] std::string_view difference(const ClosestOfWhole& answer,
+                                          const ClosestFeature& expected, double scale);
+
 /// A query of query_run.h.
 struct ClosestQuery {
     using Answer = ClosestOfWhole;
@@ -28,6 +35,7 @@ struct ClosestQuery {
     static constexpr TableForm form = {point_layouts};
 
     static Status check_row(const NumberTable& /*table*/, std::size_t /*row*/) { return {}; }
+    static Status check_mesh(const MeshPart& /*part*/) { return {}; }
     static std::string header(AnswerFormat format, std::uint64_t rows)
     {
         return answer_header(format, AnswerSigns::absent, rows);

@@ -4,6 +4,7 @@
 #include "distributed/query_run.h"
 #include "distributed/ray_query.h"
 #include "distributed/route_triangles.h"
+#include "distributed/sign_query.h"
 
 #include <CLI/CLI.hpp>
 
@@ -65,16 +66,20 @@ QueryCommands::QueryCommands(CLI::App& app)
     rays_ = add_command(app, "rays", "Find what each ray hits first", options_);
     add_table_options(*rays_, options_.table, "ray", "ox,oy,oz,dx,dy,dz[,tmin,tmax]",
                       "OX,OY,OZ,DX,DY,DZ[,TMIN,TMAX]");
+    sign_ = add_command(
+        app, "sign", "Find which points are inside a closed mesh, and how far from it", options_);
+    add_table_options(*sign_, options_.table, "point", "x,y,z", "X,Y,Z");
 }
 
 bool QueryCommands::is_given() const
 {
-    return closest_->parsed() || rays_->parsed();
+    return closest_->parsed() || rays_->parsed() || sign_->parsed();
 }
 
 Status QueryCommands::run(World& world) const
 {
     if (rays_->parsed()) return QueryRun<RayQuery>(options_, world).run();
+    if (sign_->parsed()) return QueryRun<SignQuery>(options_, world).run();
     return QueryRun<ClosestQuery>(options_, world).run();
 }
 

@@ -30,6 +30,7 @@ public:
 private:
     CLI::App* closest_;
     CLI::App* rays_;
+    CLI::App* sign_;
     QueryOptions options_;
 };
 

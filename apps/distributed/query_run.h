@@ -4,6 +4,7 @@
 // A query has
 //     Answer, what, form                what messages carry; "points"; the columns of its table
 //     check_row(table, row)             on rank 0
+//     check_mesh(part)                  the same on all ranks
 //     answer(part, rows, world)         of this rank's rows. Collective
 //     header, append                    texts of the answers
 //     oracle(model), verify(oracle, part, rows, answers)    on rank 0: the library's own answers
@@ -42,6 +43,7 @@ public:
         if (!slice) return tl::unexpected(slice.error());
         const auto part = make_mesh_part(std::move(*slice), options_.routing_depth, world_);
         if (!part) return tl::unexpected(part.error());
+        if (Status status = Query::check_mesh(*part); !status) return status;
         QueryTimes times;
         times.build_seconds = MPI_Wtime() - start;
         times.build_bytes = world_.sent_bytes();

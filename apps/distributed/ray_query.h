@@ -27,6 +27,7 @@ struct RayQuery {
     {
         return check_ray_row(table, row);
     }
+    static Status check_mesh(const MeshPart& /*part*/) { return {}; }
     static std::string header(AnswerFormat format, std::uint64_t rows)
     {
         return hit_header(format, rows);

@@ -173,6 +173,67 @@ class Rays(QueryTest):
             self.expect_same(f"sized_{k}", positions, triangles, rays, ranks=(3,))
 
 
+def octahedron(center, radius, inside_out=False):
+    positions = [[c + sign * radius * (axis == k) for k, c in enumerate(center)] for axis in range(3) for sign in (1, -1)]
+    triangles = [[x, y, z] if (x + y + z) % 2 == inside_out else [y, x, z] for x in (0, 1) for y in (2, 3) for z in (4, 5)]
+    return positions, triangles
+
+
+def join(*meshes):
+    positions, triangles = [], []
+    for at, corners in meshes:
+        triangles += [[corner + len(positions) for corner in triangle] for triangle in corners]
+        positions += at
+    return positions, triangles
+
+
+class Sign(QueryTest):
+    def expect_same(self, name, mesh, points, **options):
+        model = self.file(f"{name}.ply", ply(*mesh))
+        written = self.verify("sign", model, self.file("points.csv", rows(points, "x,y,z")), **options)
+        return [line.split(",") for line in written.splitlines()[1:]]
+
+    def test_torus(self):
+        chance = random.Random(SEED)
+        points = [[chance.uniform(-1.6, 1.6), chance.uniform(-1.6, 1.6), chance.uniform(-0.6, 0.6)] for _ in range(3000)]
+        written = self.verify("sign", "torus:60x40", self.file("points.csv", rows(points, "x,y,z")))
+        inside = written.count(",-")
+        self.assertGreater(written.count("winding_number"), 2990)
+        self.assertGreater(inside, 300)
+
+    def test_solids(self):
+        """In each other, overlapping, inside out, twice at the same place, in pieces and with faces that have no area."""
+        chance = random.Random(SEED)
+        ball, inner, beside = octahedron([0, 0, 0], 4.0), octahedron([0, 0, 0], 2.0), octahedron([3, 0, 0], 4.0)
+        solids = {"nested": join(ball, inner), "hollow": join(ball, octahedron([0, 0, 0], 2.0, True)), "overlapping": join(ball, beside),
+                  "inside_out": octahedron([0, 0, 0], 4.0, True), "twice": join(ball, ball), "three": join(beside, inner, octahedron([1, 20, 0], 0.5))}
+        positions, triangles = ball
+        solids["no_area"] = positions, triangles + [[0, 0, 2], [3, 3, 3], [1, 4, 4]]
+        for name, mesh in solids.items():
+            points = nasty_points(chance, *mesh, 500)
+            found = self.expect_same(name, mesh, points, ranks=(chance.randrange(1, 5), 3))
+            self.assertGreater(sum(row[-1] == "on_surface" for row in found), 50)
+
+    def test_samples(self):
+        chance = random.Random(SEED)
+        for name in ("icosphere:3", "sphere:20x30", "spaceship:2000"):
+            points = [[chance.choice([chance.uniform(-1, 1), chance.randrange(-4, 5) / 4]) for _ in range(3)] for _ in range(1500)]
+            self.verify("sign", self.sample(name), self.file("points.csv", rows(points, "x,y,z")), ranks=(1, 4))
+
+    def test_far_from_the_origin(self):
+        chance = random.Random(SEED)
+        positions, triangles = octahedron([1e8, -3e7, 1e5], 1 / 3)
+        found = self.expect_same("far", (positions, triangles), nasty_points(chance, positions, triangles, 500))
+        self.assertIn("winding_number", {row[-1] for row in found})
+
+    def test_open_meshes_are_refused(self):
+        positions, triangles = octahedron([0, 0, 0], 1.0)
+        for name, kept in (("open", triangles[1:]), ("turned", [triangles[0][::-1], *triangles[1:]])):
+            result = run(3, "sign", self.file(f"{name}.ply", ply(positions, kept)), "--point", "0,0,0")
+            self.assertEqual(result.returncode, 1)
+            self.assertEqual(result.stderr.count("proxima-mpi: the mesh is open, or not oriented alike, at 3 edges"), 1, result.stderr)
+
+
 class QueryErrors(QueryTest):
     def refuse(self, *arguments, says, status=1):
         result = run(3, *arguments)
