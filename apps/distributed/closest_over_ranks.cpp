@@ -1,5 +1,7 @@
 #include "distributed/closest_over_ranks.h"
 
+#include "base/hilbert_code.h"
+#include "base/radix_sort.h"
 #include "distributed/ask_ranks.h"
 #include "query/closest/describe_closest.h"
 #include "query/closest/find_closest.h"
@@ -55,15 +57,44 @@ ClosestOfWhole whole_answer(const MeshPart& part, const Vec3& p, const RowDistan
     return answer;
 }
 
+/// The order of the points along a curve through the whole mesh's box. Throws std::bad_alloc.
+std::vector<KeyedIndex> along_curve(const MeshPart& part, std::span<const PointQuestion> questions)
+{
+    constexpr int bits = 7; // of each coordinate
+    constexpr double cells = 1U << static_cast<unsigned>(bits);
+    const double edge = std::max(part.whole_box.extent().maxCoeff(), 1 / part.scale);
+    std::vector<KeyedIndex> order(questions.size());
+    for (std::uint32_t i = 0; i < order.size(); ++i) {
+        std::array<std::uint32_t, 3> cell{};
+        for (std::size_t axis = 0; axis < 3; ++axis) {
+            const double at =
+                questions[i].point[axis] - part.whole_box.lower[static_cast<Eigen::Index>(axis)];
+            cell[axis] = static_cast<std::uint32_t>(std::clamp(at / edge * cells, 0.0, cells - 1));
+        }
+        order[i] = {hilbert_code(cell, bits), i};
+    }
+    StageSteps unwatched(nullptr, "", 0);
+    (void)radix_sort(order, 3 * bits, unwatched);
+    return order;
+}
+
+/// Each point starts from the answer found last, which is near along the curve.
 std::vector<ClosestOfWhole> answer_points(const MeshPart& part,
                                           std::span<const PointQuestion> questions)
 {
-    std::vector<ClosestOfWhole> answers;
-    answers.reserve(questions.size());
-    for (const PointQuestion& question : questions) {
+    const IndexParts& index = part.index.parts();
+    std::vector<ClosestOfWhole> answers(questions.size());
+    Vec3 last_point = Vec3::Zero();
+    double last_distance = std::numeric_limits<double>::infinity();
+    for (const KeyedIndex& at : along_curve(part, questions)) {
+        const PointQuestion& question = questions[at.index];
         const Vec3 p(question.point.data());
-        answers.push_back(
-            whole_answer(part, p, find_closest(part.index.parts(), p, question.known)));
+        const double near_last = last_distance + (p - last_point).norm();
+        const RowDistance found = find_closest(index, p, std::min(question.known, near_last));
+        answers[at.index] = whole_answer(part, p, found);
+        if (!found.found()) continue;
+        last_point = p;
+        last_distance = std::sqrt(found.squared) / part.scale;
     }
     return answers;
 }

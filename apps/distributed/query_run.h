@@ -34,10 +34,7 @@ public:
         const double start = MPI_Wtime();
         auto output = RowOutput::open(options_.out, world_);
         if (!output) return tl::unexpected(output.error());
-        auto table = TableBlocks::open(
-            options_.table, Query::form,
-            [](const NumberTable& rows, std::size_t i) { return Query::check_row(rows, i); },
-            world_);
+        auto table = TableBlocks::open(options_.table, Query::form, &Query::check_row, world_);
         if (!table) return tl::unexpected(table.error());
         auto slice = load_slice(options_.model, world_);
         if (!slice) return tl::unexpected(slice.error());

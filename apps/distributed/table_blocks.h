@@ -2,12 +2,17 @@
 //
 //     rank 0   rows 0 1 2 3 4 5 6 7 8 | 9 ...      a block
 //     ranks    0 0 0  1 1 1  2 2 2                 each gets as many rows, in their order
+//
+// Arrays of NumPy are read block by block, too; of texts rank 0 holds all numbers.
 #pragma once
 
+#include "cli/input_bytes.h"
+#include "cli/npy_rows.h"
 #include "cli/number_table.h"
 #include "distributed/world.h"
 
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <span>
 #include <string>
@@ -37,29 +42,11 @@ struct TableRows {
 
 class TableBlocks {
 public:
-    /// Rank 0 reads the table. `check_row(table, i)` returns a Status for each row. Collective.
-    template <class CheckRow>
-    [[nodiscard]] static Result<TableBlocks> open(const TableSource& source, const TableForm& form,
-                                                  const CheckRow& check_row, const World& world)
-    {
-        TableBlocks blocks;
-        const Status status = world.agree_on([&]() -> Status {
-            if (world.rank() != 0) return {};
-            auto table = source.file.empty() ? parse_number_rows(source.rows, form, source.option)
-                                             : read_number_table(source.file, form);
-            if (!table) return tl::unexpected(table.error());
-            blocks.table_ = std::move(*table);
-            for (std::size_t i = 0; i < blocks.table_.rows(); ++i) {
-                if (Status checked = check_row(blocks.table_, i); !checked) return checked;
-            }
-            return {};
-        });
-        if (!status) return tl::unexpected(status.error());
-        const bool reads = world.rank() == 0;
-        blocks.rows_ = world.sum(reads ? blocks.table_.rows() : 0);
-        blocks.columns_ = world.sum(reads ? blocks.table_.columns : 0);
-        return blocks;
-    }
+    /// Has rank 0 open the table. `check_row` is asked about rows before they are shared out.
+    /// Collective.
+    [[nodiscard]] static Result<TableBlocks>
+    open(const TableSource& source, const TableForm& form,
+         Status (*check_row)(const NumberTable& table, std::size_t row), const World& world);
 
     /// Of the whole table.
     [[nodiscard]] std::uint64_t rows() const noexcept { return rows_; }
@@ -73,7 +60,19 @@ public:
     [[nodiscard]] Result<std::optional<Block>> next(World& world);
 
 private:
-    NumberTable table_; ///< on rank 0
+    /// What rank 0 has.
+    struct Reader {
+        NumberTable table;               ///< all rows, or those of the block
+        std::optional<InputBytes> input; ///< of `array`
+        std::optional<NpyRows> array;    ///< which is read block by block
+    };
+
+    [[nodiscard]] static Status open_reader(const TableSource& source, const TableForm& form,
+                                            Reader& reader);
+    [[nodiscard]] Result<std::span<const double>> numbers(std::uint64_t first, std::uint64_t rows);
+
+    std::unique_ptr<Reader> reader_ = std::make_unique<Reader>();
+    Status (*check_row_)(const NumberTable& table, std::size_t row) = nullptr;
     std::uint64_t rows_ = 0;
     std::size_t columns_ = 0;
     std::uint64_t next_ = 0;

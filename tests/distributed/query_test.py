@@ -1,6 +1,7 @@
 """proxima-mpi closest, rays and sign on 1 to 4 ranks: the answers are those of one process, and bad input ends all with one message."""
 import os
 import random
+import struct
 import subprocess
 import unittest
 
@@ -12,6 +13,13 @@ print("seed", SEED, flush=True)
 
 def rows(table, columns):
     return (columns + "\n" + "".join(",".join(map(repr, row)) + "\n" for row in table)).encode()
+
+
+def npy(table, order="C"):
+    header = f"{{'descr': '<f8', 'fortran_order': {order == 'F'}, 'shape': ({len(table)}, {len(table[0])}), }}"
+    header += " " * (-(11 + len(header)) % 64) + "\n"
+    numbers = [x for row in (zip(*table) if order == "F" else table) for x in row]
+    return b"\x93NUMPY\x01\x00" + struct.pack("<H", len(header)) + header.encode() + struct.pack(f"<{len(numbers)}d", *numbers)
 
 
 def middle(*corners):
@@ -232,6 +240,35 @@ class Sign(QueryTest):
             result = run(3, "sign", self.file(f"{name}.ply", ply(positions, kept)), "--point", "0,0,0")
             self.assertEqual(result.returncode, 1)
             self.assertEqual(result.stderr.count("proxima-mpi: the mesh is open, or not oriented alike, at 3 edges"), 1, result.stderr)
+
+
+class Tables(QueryTest):
+    def test_arrays_and_texts(self):
+        """More rows than go round at once, read in blocks; the same answers from both orders of an array and from text."""
+        chance = random.Random(SEED)
+        points = [[chance.uniform(-2, 2) for _ in range(3)] for _ in range(300000)]
+        written = [self.folder / f"{k}.npy" for k in range(4)]
+        for out, ranks, name, content in ((written[0], 1, "c.npy", npy(points)), (written[1], 2, "c.npy", npy(points)),
+                                          (written[2], 2, "f.npy", npy(points, "F")), (written[3], 1, "t.txt", rows(points, "x,y,z"))):
+            result = run(ranks, "closest", "torus:9x9", "--points", self.file(name, content), "--out", out)
+            self.assertEqual(result.returncode, 0, result.stderr)
+        one = self.folder / "one.npy"
+        subprocess.run([PROXIMA, "closest", "torus:9x9", "--points", self.folder / "c.npy", "--out", one], check=True, capture_output=True)
+        for out in written:
+            self.assertTrue(out.read_bytes() == one.read_bytes(), out)
+
+    def test_bad_rows_of_later_blocks(self):
+        table = [[0.0, 0.0, 0.0, 1.0, 0.0, 0.0] for _ in range(300000)]
+        table[290000][3] = 0.0
+        result = run(2, "rays", "torus:9x9", "--rays", self.file("rays.npy", npy(table)), "--out", self.folder / "out.csv")
+        self.assertEqual(result.returncode, 1)
+        self.assertEqual(result.stderr.count("rays.npy, row 290000: this is no ray"), 1, result.stderr)
+        table[290000][3] = float("nan")
+        result = run(2, "rays", "torus:9x9", "--rays", self.file("rays.npy", npy(table)), "--out", self.folder / "out.csv")
+        self.assertIn("row 290000 from 0: nan is no finite number", result.stderr)
+        result = run(2, "rays", "torus:9x9", "--rays", self.file("rays.npy", npy(table)[:-8]))
+        self.assertIn("rays.npy: the header says 300000 rows", result.stderr)
+        self.assertFalse((self.folder / "out.csv").exists())
 
 
 class QueryErrors(QueryTest):
