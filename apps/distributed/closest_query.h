@@ -33,9 +33,9 @@ struct ClosestQuery {
     using Answer = ClosestOfWhole;
     static constexpr std::string_view what = "points";
     static constexpr TableForm form = {point_layouts};
+    static constexpr bool has_winding_if_open = false;
 
     static Status check_row(const NumberTable& /*table*/, std::size_t /*row*/) { return {}; }
-    static Status check_mesh(const MeshPart& /*part*/) { return {}; }
     static std::string header(AnswerFormat format, std::uint64_t rows)
     {
         return answer_header(format, AnswerSigns::absent, rows);

@@ -4,6 +4,7 @@
 #include "distributed/mesh_input.h"
 #include "distributed/routed_forest.h"
 #include "index/build_part_index.h"
+#include "index/index_parts.h"
 #include "index/row_tables.h"
 
 #include <algorithm>
@@ -208,6 +209,19 @@ Result<Assembled> assemble_part(ReceivedPart received, MeshPart& part)
     return assembled;
 }
 
+/// Winding numbers of the part, which name triangles by their rows.
+Status take_winding(const TriangleMesh& mesh, MeshPart& part)
+{
+    auto winding = build_winding_number(mesh, {.execution = {.threads = {1}}});
+    if (!winding) return tl::unexpected(winding.error());
+    part.winding = std::move(*winding).release();
+    std::vector<std::uint32_t> rows(mesh.triangle_count());
+    for (std::uint32_t row = 0; row < rows.size(); ++row)
+        rows[to_index(part.index.parts().id(row))] = row;
+    for (std::uint32_t& number : part.winding.order) number = rows[number];
+    return {};
+}
+
 Result<ReceivedPart> share_triangles(MeshSlice slice, const SliceFeatures& features,
                                      const OctreeFrame& frame, int depth, World& world)
 {
@@ -243,7 +257,7 @@ Result<ReceivedPart> share_triangles(MeshSlice slice, const SliceFeatures& featu
 
 } // namespace
 
-Result<MeshPart> make_mesh_part(MeshSlice slice, int routing_depth, World& world)
+Result<MeshPart> make_mesh_part(MeshSlice slice, const PartOptions& options, World& world)
 {
     MeshPart part;
     const auto box = whole_box(slice, world);
@@ -257,7 +271,7 @@ Result<MeshPart> make_mesh_part(MeshSlice slice, int routing_depth, World& world
     if (!features) return tl::unexpected(features.error());
     part.unbalanced_edges = features->unbalanced_edges;
     auto received = share_triangles(std::move(slice), *features, tight_root(*box, RootShape::cube),
-                                    routing_depth, world);
+                                    options.routing_depth, world);
     if (!received) return tl::unexpected(received.error());
     *features = {};
     Box own;
@@ -270,7 +284,8 @@ Result<MeshPart> make_mesh_part(MeshSlice slice, int routing_depth, World& world
                                       {.execution = {.threads = {1}}});
         if (!index) return tl::unexpected(index.error());
         part.index = *index;
-        return {};
+        if (part.is_closed() || !options.has_winding_if_open) return {};
+        return take_winding(assembled->mesh, part);
     });
     if (!status) return tl::unexpected(status.error());
     using Ends = std::array<double, 6>;

@@ -10,6 +10,7 @@
 #include "distributed/feature_numbers.h"
 #include "distributed/mesh_slice.h"
 #include "distributed/world.h"
+#include "octree/winding_number.h"
 #include "proxima/mesh_index.h"
 
 #include <cstdint>
@@ -28,10 +29,19 @@ struct MeshPart {
     double scale = 1; ///< of the frame: a power of two
     std::uint64_t whole_triangles = 0;
     std::uint64_t unbalanced_edges = 0; ///< of the whole, see SliceFeatures
+    WindingStorage winding; ///< of this rank's triangles, in rows of the index; see PartOptions
+
+    [[nodiscard]] bool is_closed() const noexcept { return unbalanced_edges == 0; }
 };
 
-/// Shares the triangles out by cells of the routing depth at most, and builds the index of this
-/// rank's. Takes the slice. Collective.
-[[nodiscard]] Result<MeshPart> make_mesh_part(MeshSlice slice, int routing_depth, World& world);
+struct PartOptions {
+    int routing_depth = 5;            ///< cells that are shared out have no deeper level
+    bool has_winding_if_open = false; ///< whether winding numbers are made where the mesh is open
+};
+
+/// Shares the triangles out by their cells, and builds the index of this rank's. Takes the slice.
+/// Collective.
+[[nodiscard]] Result<MeshPart> make_mesh_part(MeshSlice slice, const PartOptions& options,
+                                              World& world);
 
 } // namespace proxima

@@ -66,8 +66,8 @@ QueryCommands::QueryCommands(CLI::App& app)
     rays_ = add_command(app, "rays", "Find what each ray hits first", options_);
     add_table_options(*rays_, options_.table, "ray", "ox,oy,oz,dx,dy,dz[,tmin,tmax]",
                       "OX,OY,OZ,DX,DY,DZ[,TMIN,TMAX]");
-    sign_ = add_command(
-        app, "sign", "Find which points are inside a closed mesh, and how far from it", options_);
+    sign_ = add_command(app, "sign", "Find which points are inside of a mesh, and how far from it",
+                        options_);
     add_table_options(*sign_, options_.table, "point", "x,y,z", "X,Y,Z");
 }
 

@@ -4,7 +4,7 @@
 // A query has
 //     Answer, what, form                what messages carry; "points"; the columns of its table
 //     check_row(table, row)             on rank 0
-//     check_mesh(part)                  the same on all ranks
+//     has_winding_if_open               see PartOptions
 //     answer(part, rows, world)         of this rank's rows. Collective
 //     header, append                    texts of the answers
 //     oracle(model), verify(oracle, part, rows, answers)    on rank 0: the library's own answers
@@ -38,9 +38,11 @@ public:
         if (!table) return tl::unexpected(table.error());
         auto slice = load_slice(options_.model, world_);
         if (!slice) return tl::unexpected(slice.error());
-        const auto part = make_mesh_part(std::move(*slice), options_.routing_depth, world_);
+        const auto part = make_mesh_part(std::move(*slice),
+                                         {.routing_depth = options_.routing_depth,
+                                          .has_winding_if_open = Query::has_winding_if_open},
+                                         world_);
         if (!part) return tl::unexpected(part.error());
-        if (Status status = Query::check_mesh(*part); !status) return status;
         QueryTimes times;
         times.build_seconds = MPI_Wtime() - start;
         times.build_bytes = world_.sent_bytes();

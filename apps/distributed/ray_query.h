@@ -22,12 +22,12 @@ struct RayQuery {
     using Answer = HitOfWhole;
     static constexpr std::string_view what = "rays";
     static constexpr TableForm form = ray_form;
+    static constexpr bool has_winding_if_open = false;
 
     static Status check_row(const NumberTable& table, std::size_t row)
     {
         return check_ray_row(table, row);
     }
-    static Status check_mesh(const MeshPart& /*part*/) { return {}; }
     static std::string header(AnswerFormat format, std::uint64_t rows)
     {
         return hit_header(format, rows);

@@ -16,9 +16,9 @@ struct SignQuery {
     using Answer = SignedOfWhole;
     static constexpr std::string_view what = "points";
     static constexpr TableForm form = {point_layouts};
+    static constexpr bool has_winding_if_open = true;
 
     static Status check_row(const NumberTable& /*table*/, std::size_t /*row*/) { return {}; }
-    static Status check_mesh(const MeshPart& part) { return check_closed(part); }
     static std::string header(AnswerFormat format, std::uint64_t rows)
     {
         return answer_header(format, AnswerSigns::present, rows);
@@ -26,7 +26,7 @@ struct SignQuery {
     static Result<std::vector<Answer>> answer(const MeshPart& part, const TableRows& rows,
                                               World& world)
     {
-        return signs_over_ranks(part, points_of(rows), world);
+        return signs_over_ranks(part, points_of(rows), rows.first, world);
     }
     static void append(const MeshPart& part, std::uint64_t index, const Answer& answer,
                        AnswerFormat format, fmt::memory_buffer& text);

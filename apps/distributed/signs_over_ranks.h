@@ -1,10 +1,12 @@
-// Signed distances from a closed mesh that is spread over the ranks.
+// Signed distances from a mesh that is spread over the ranks.
 //
 //     closest feature     closest_over_ranks.h
-//     winding number      a ray along x from the point: every rank whose box it meets counts, exactly,
-//                         how often it crosses the triangles there outwards less inwards; the sum
+//     closed mesh         a ray along x from the point: every rank whose box it meets counts, exactly,
+//                         how often it crosses the triangles there outwards less inwards
+//     open mesh           every rank bounds the winding number of its triangles, ever more closely
+//                         until the sum tells; where rounding would decide, that is an error
 //
-// A point is inside where the winding number is above 0, as in the library (signed_distance.h).
+// A point is inside where the winding number is at least 1/2, as in the library (signed_distance.h).
 #pragma once
 
 #include "distributed/closest_over_ranks.h"
@@ -20,7 +22,7 @@ namespace proxima {
 
 struct SignedOfWhole {
     ClosestOfWhole closest;
-    std::int64_t winding = 0; ///< not counted on the surface, outside of the box, and endlessly far
+    std::int64_t winding = 0; ///< inside where above 0; not counted where a point is surely outside
 
     /// In the mesh's unit, negative inside, 0 on the closest feature.
     [[nodiscard]] double signed_distance(double scale) const noexcept
@@ -35,11 +37,12 @@ struct SignedOfWhole {
     }
 };
 
-/// Error invalid_mesh where an edge of the mesh does not have as many triangles each way.
-[[nodiscard]] Status check_closed(const MeshPart& part);
-
-/// The signed distances of this rank's points, which are finite. Collective. \pre check_closed(part)
-[[nodiscard]] Result<std::vector<SignedOfWhole>>
-signs_over_ranks(const MeshPart& part, std::span<const Vec3> points, World& world);
+/// The signed distances of this rank's points, which are finite and have the numbers from `first` on.
+/// Error limit_exceeded where the mesh is open and rounding would decide. Collective.
+/// \pre the part has winding numbers if the mesh is open
+[[nodiscard]] Result<std::vector<SignedOfWhole>> signs_over_ranks(const MeshPart& part,
+                                                                  std::span<const Vec3> points,
+                                                                  std::uint64_t first,
+                                                                  World& world);
 
 } // namespace proxima
