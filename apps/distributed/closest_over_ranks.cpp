@@ -1,8 +1,8 @@
 #include "distributed/closest_over_ranks.h"
 
 #include "base/hilbert_code.h"
-#include "base/radix_sort.h"
 #include "distributed/ask_ranks.h"
+#include "distributed/order_by_key.h"
 #include "query/closest/describe_closest.h"
 #include "query/closest/find_closest.h"
 #include "query/closest/on_feature.h"
@@ -63,19 +63,15 @@ std::vector<KeyedIndex> along_curve(const MeshPart& part, std::span<const PointQ
     constexpr int bits = 7; // of each coordinate
     constexpr double cells = 1U << static_cast<unsigned>(bits);
     const double edge = std::max(part.whole_box.extent().maxCoeff(), 1 / part.scale);
-    std::vector<KeyedIndex> order(questions.size());
-    for (std::uint32_t i = 0; i < order.size(); ++i) {
+    return order_by_key(questions.size(), [&](std::uint32_t i) {
         std::array<std::uint32_t, 3> cell{};
         for (std::size_t axis = 0; axis < 3; ++axis) {
             const double at =
                 questions[i].point[axis] - part.whole_box.lower[static_cast<Eigen::Index>(axis)];
             cell[axis] = static_cast<std::uint32_t>(std::clamp(at / edge * cells, 0.0, cells - 1));
         }
-        order[i] = {hilbert_code(cell, bits), i};
-    }
-    StageSteps unwatched(nullptr, "", 0);
-    (void)radix_sort(order, 3 * bits, unwatched);
-    return order;
+        return hilbert_code(cell, bits);
+    });
 }
 
 /// Each point starts from the answer found last, which is near along the curve.

@@ -1,10 +1,10 @@
 #include "distributed/feature_numbers.h"
 
+#include "distributed/order_by_key.h"
 #include "mesh/surface_parts.h"
 
 #include <algorithm>
-#include <numeric>
-#include <tuple>
+#include <span>
 
 namespace proxima {
 
@@ -16,8 +16,6 @@ struct SliceEdge {
     std::uint64_t high = 0;
     std::uint64_t first_side = 0; ///< 3 times the triangle of the whole, and the side
     std::int64_t balance = 0;     ///< triangles from low to high, less those from high to low
-
-    [[nodiscard]] auto ends() const noexcept { return std::tie(low, high); }
 };
 
 struct SliceVertex {
@@ -33,28 +31,41 @@ std::size_t rank_of(std::uint64_t low, std::uint64_t high, std::size_t ranks) no
     return (mixed ^ mixed >> 32U) % ranks;
 }
 
-/// The order of items by a key. Throws std::bad_alloc.
-template <class T, class Less>
-std::vector<std::uint32_t> order_of(const std::vector<T>& items, const Less& less)
-{
-    std::vector<std::uint32_t> order(items.size());
-    std::iota(order.begin(), order.end(), 0U);
-    std::ranges::sort(order,
-                      [&](std::uint32_t a, std::uint32_t b) { return less(items[a], items[b]); });
-    return order;
-}
-
-/// Calls visit(group) for each run of items that are equal, as positions of `items`.
-template <class T, class IsSame, class Visit>
-void each_group(const std::vector<T>& items, const std::vector<std::uint32_t>& order,
-                const IsSame& is_same, const Visit& visit)
+/// Calls visit(group) for each run of equal keys.
+template <class Visit>
+void each_group(std::span<const KeyedIndex> order, const Visit& visit)
 {
     for (std::size_t first = 0; first < order.size();) {
         std::size_t end = first + 1;
-        while (end < order.size() && is_same(items[order[first]], items[order[end]])) ++end;
-        visit(std::span(order).subspan(first, end - first));
+        while (end < order.size() && order[first].key == order[end].key) ++end;
+        visit(order.subspan(first, end - first));
         first = end;
     }
+}
+
+/// Edges by their ends; equal ones keep their order.
+std::vector<KeyedIndex> order_by_ends(const std::vector<SliceEdge>& edges)
+{
+    auto order = order_by_key(edges.size(), [&](std::uint32_t i) { return edges[i].low; });
+    // Few edges share a lower end.
+    std::uint64_t number = 0;
+    for (std::size_t first = 0; first < order.size();) {
+        std::size_t end = first + 1;
+        while (end < order.size() && order[first].key == order[end].key) ++end;
+        const auto run = std::span(order).subspan(first, end - first);
+        std::ranges::stable_sort(run, {},
+                                 [&](const KeyedIndex& at) { return edges[at.index].high; });
+        // From here on the key tells edges apart.
+        std::uint64_t high = edges[run.front().index].high;
+        for (KeyedIndex& at : run) {
+            if (edges[at.index].high != high) ++number;
+            high = edges[at.index].high;
+            at.key = number;
+        }
+        ++number;
+        first = end;
+    }
+    return order;
 }
 
 class FeatureNumbering {
@@ -100,17 +111,13 @@ private:
         std::vector<std::uint64_t> lowest;
         status = world_.agree_on([&]() -> Status {
             lowest.resize(received->items.size());
-            const auto by_id = [](const SliceVertex& a, const SliceVertex& b) {
-                return std::tie(a.id, a.triangle) < std::tie(b.id, b.triangle);
-            };
-            const auto is_same = [](const SliceVertex& a, const SliceVertex& b) {
-                return a.id == b.id;
-            };
-            each_group(received->items, order_of(received->items, by_id), is_same,
-                       [&](std::span<const std::uint32_t> group) {
-                           for (const std::uint32_t i : group)
-                               lowest[i] = received->items[group.front()].triangle;
-                       });
+            // Slices ascend, so that the lowest triangle of a vertex comes first.
+            const auto order =
+                order_by_key(lowest.size(), [&](std::uint32_t i) { return received->items[i].id; });
+            each_group(order, [&](std::span<const KeyedIndex> group) {
+                for (const KeyedIndex& at : group)
+                    lowest[at.index] = received->items[group.front().index].triangle;
+            });
             return {};
         });
         if (!status) return status;
@@ -135,17 +142,14 @@ private:
         std::vector<std::uint64_t> first_sides;
         std::uint64_t unbalanced = 0;
         status = world_.agree_on([&]() -> Status {
-            const auto by_ends = [](const SliceEdge& a, const SliceEdge& b) {
-                return std::tie(a.low, a.high, a.first_side) <
-                       std::tie(b.low, b.high, b.first_side);
-            };
-            order_ = order_of(edges_.items, by_ends);
+            // Slices ascend, and so the first sides of an edge.
+            order_ = order_by_ends(edges_.items);
             first_sides.resize(edges_.items.size());
-            each_edge([&](std::span<const std::uint32_t> group) {
+            each_group(order_, [&](std::span<const KeyedIndex> group) {
                 std::int64_t balance = 0;
-                for (const std::uint32_t i : group) {
-                    first_sides[i] = edges_.items[group.front()].first_side;
-                    balance += edges_.items[i].balance;
+                for (const KeyedIndex& at : group) {
+                    first_sides[at.index] = edges_.items[group.front().index].first_side;
+                    balance += edges_.items[at.index].balance;
                 }
                 unbalanced += balance == 0 ? 0 : 1;
             });
@@ -222,8 +226,9 @@ private:
         if (!status) return status;
         auto numbers = world_.exchange(std::move(outgoing));
         if (!numbers) return tl::unexpected(numbers.error());
-        each_edge([&](std::span<const std::uint32_t> group) {
-            for (const std::uint32_t i : group) numbers->items[i] = numbers->items[group.front()];
+        each_group(order_, [&](std::span<const KeyedIndex> group) {
+            for (const KeyedIndex& at : group)
+                numbers->items[at.index] = numbers->items[group.front().index];
         });
         const auto answers = world_.reply(edges_, std::move(numbers->items));
         if (!answers) return tl::unexpected(answers.error());
@@ -239,15 +244,6 @@ private:
         return own_sides_[edge] == first_sides_[edge];
     }
 
-    /// The edges that this rank compares, the first side first.
-    template <class Visit>
-    void each_edge(const Visit& visit) const
-    {
-        each_group(
-            edges_.items, order_,
-            [](const SliceEdge& a, const SliceEdge& b) { return a.ends() == b.ends(); }, visit);
-    }
-
     const MeshSlice& slice_;
     World& world_;
     std::size_t ranks_;
@@ -256,7 +252,7 @@ private:
     std::vector<std::uint64_t> first_sides_;       ///< by edge of the slice, in the whole
     std::vector<std::vector<std::uint32_t>> sent_; ///< by rank, edges of the slice
     Received<SliceEdge> edges_;                    ///< that this rank compares
-    std::vector<std::uint32_t> order_;             ///< of these, by ends, then by first side
+    std::vector<KeyedIndex> order_;                ///< of these: the same key for the same edge
 };
 
 } // namespace

@@ -2,6 +2,7 @@
 
 #include "base/morton_code.h"
 #include "distributed/mesh_input.h"
+#include "distributed/order_by_key.h"
 #include "distributed/routed_forest.h"
 #include "index/build_part_index.h"
 #include "index/index_parts.h"
@@ -52,14 +53,14 @@ std::uint64_t cell_of(const Triangle& triangle, const OctreeFrame& frame, int de
 }
 
 /// How many triangles each cell of each depth has. Throws std::bad_alloc.
-std::vector<std::vector<CellCount>> count_cells(std::vector<std::uint64_t> cells, int depth)
+std::vector<std::vector<CellCount>> count_cells(const std::vector<std::uint64_t>& cells, int depth)
 {
-    std::ranges::sort(cells);
+    const auto order = order_by_key(cells.size(), [&](std::uint32_t t) { return cells[t]; });
     std::vector<std::vector<CellCount>> counts(static_cast<std::size_t>(depth) + 1);
     for (int level = 0; level <= depth; ++level) {
         auto& at_level = counts[static_cast<std::size_t>(level)];
-        for (const std::uint64_t cell : cells) {
-            const std::uint64_t above = cell >> 3 * (depth - level);
+        for (const KeyedIndex& at : order) {
+            const std::uint64_t above = at.key >> 3 * (depth - level);
             if (at_level.empty() || at_level.back().cell != above) at_level.push_back({above, 0});
             ++at_level.back().triangles;
         }
@@ -145,15 +146,13 @@ Result<ReceivedPart> send(Messages messages, World& world)
 template <class T, class IdOf>
 std::vector<std::uint32_t> join(std::vector<T>& items, const IdOf& id_of)
 {
-    std::vector<std::uint32_t> order(items.size());
-    for (std::uint32_t i = 0; i < order.size(); ++i) order[i] = i;
-    std::ranges::sort(order, {}, [&](std::uint32_t i) { return id_of(items[i]); });
     std::vector<T> distinct;
     std::vector<std::uint32_t> numbers(items.size());
-    for (const std::uint32_t i : order) {
-        if (distinct.empty() || id_of(distinct.back()) != id_of(items[i]))
-            distinct.push_back(items[i]);
-        numbers[i] = static_cast<std::uint32_t>(distinct.size() - 1);
+    for (const KeyedIndex& at :
+         order_by_key(items.size(), [&](std::uint32_t i) { return id_of(items[i]); })) {
+        if (distinct.empty() || id_of(distinct.back()) != at.key)
+            distinct.push_back(items[at.index]);
+        numbers[at.index] = static_cast<std::uint32_t>(distinct.size() - 1);
     }
     items = std::move(distinct);
     return numbers;
