@@ -1,55 +1,67 @@
-// proxima-mpi: octrees of meshes, and questions to meshes, that are spread over the processes of a run. Run it by mpirun.
+// proxima-mpi: octrees of meshes that are spread over the processes of a run, and queries. Run it by
+// mpirun.
 // This program links p4est, which is under the GPL.
+#include "cli/interrupt.h"
+#include "cli/progress_bar.h"
 #include "distributed/octree_command.h"
 #include "distributed/query_command.h"
-
-#include "proxima/octree.h"
 
 #include <CLI/CLI.hpp>
 #include <cstdio>
 #include <exception>
+#include <functional>
+#include <map>
 #include <p4est_base.h>
+#include <string>
 
 namespace proxima {
 
 namespace {
 
-/// The arguments' options, or the exit status where there is nothing to do. Only rank 0 prints.
+constexpr int first_signal_status = 128;
+
+using RunCommand = std::function<Status(World&)>;
+using AddCommand = RunCommand (*)(CLI::App& app);
+
+/// Reads the arguments and runs the command that they name. Returns the exit status, the same on all
+/// ranks. Only rank 0 prints.
 int run(int argc, char** argv, World& world)
 {
+    constexpr AddCommand add_commands[] = {add_octree_command, add_closest_command,
+                                           add_rays_command, add_sign_command};
     CLI::App app("Octrees of triangle meshes, and queries, over several processes");
     app.set_version_flag("--version", "proxima-mpi " PROXIMA_VERSION);
     app.require_subcommand(1);
-    OctreeRunOptions options;
-    CLI::App* const octree =
-        app.add_subcommand("octree", "Build the octree of a mesh, each process a part of it");
-    octree->add_option("MODEL", options.model, "A binary little-endian .ply file, or torus:NxM")
-        ->required();
-    octree->add_option("--depth", options.depth, "Deepest level, 0 to 18 (default 5)")
-        ->check(CLI::Range(0, max_octree_depth - 1));
-    octree
-        ->add_option("--threshold", options.threshold,
-                     "Split cells with more triangles than this (default 1)")
-        ->check(CLI::Range(0U, 1U << 30U));
-    octree
-        ->add_option("--routing-depth", options.routing_depth,
-                     "Deepest level whose cells are shared out, 0 to 6 (default 5)")
-        ->check(CLI::Range(0, 6));
-    octree->add_flag("--verify", options.is_verified,
-                     "Build the whole octree on the first process, too, and compare");
-    const QueryCommands queries(app);
+    bool shows_progress = false;
+    app.add_flag("--progress", shows_progress, "Show the first process's progress on stderr");
+    std::map<std::string, RunCommand> commands;
+    for (const AddCommand add_command : add_commands) {
+        RunCommand command = add_command(app);
+        commands[app.get_subcommands({}).back()->get_name()] = std::move(command);
+    }
+    app.fallthrough();
     try {
         app.parse(argc, argv);
     } catch (const CLI::ParseError& error) {
         if (world.rank() != 0) return error.get_exit_code() == 0 ? 0 : 2;
         return app.exit(error) == 0 ? 0 : 2;
     }
-    const Status status = queries.is_given() ? queries.run(world) : run_octree(options, world);
+    const InterruptGuard guard(world.progress());
+    Status status;
+    {
+        const bool is_shown = world.rank() == 0 && shows_progress;
+        const ProgressBar bar(world.progress(), is_shown ? BarMode::lines : BarMode::off);
+        status = commands.at(app.get_subcommands().front()->get_name())(world);
+    }
     if (status) return 0;
     if (world.rank() == 0) {
         std::fprintf(stderr, "proxima-mpi: %s\n", describe(status.error()).c_str());
     }
-    return 1;
+    const auto signal = static_cast<std::uint64_t>(InterruptGuard::signal_number());
+    const int stopped_by = static_cast<int>(world.max(signal));
+    return status.error().code == ErrorCode::cancelled && stopped_by != 0
+               ? first_signal_status + stopped_by
+               : 1;
 }
 
 } // namespace

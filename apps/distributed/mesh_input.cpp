@@ -41,12 +41,15 @@ Result<Box> whole_box(const MeshSlice& slice, const World& world)
     return box;
 }
 
-Result<MeshSlice> load_slice(const std::string& model, World& world)
+Result<MeshSlice> load_slice(const std::string& model, const std::string& triangles, World& world)
 {
+    if (!triangles.empty()) return read_npy_slice(model, triangles, world);
     if (const auto size = torus_size(model)) return make_torus_slice(*size, world);
     if (model.ends_with(".ply")) return read_ply_slice(model, world);
     return fail(ErrorCode::unsupported_format,
-                "proxima-mpi takes binary little-endian .ply files and torus:NxM", model);
+                "proxima-mpi takes binary little-endian .ply files, torus:NxM, and .npy files of "
+                "vertices with --triangles",
+                model);
 }
 
 Result<TriangleMesh> whole_mesh(const std::string& model)

@@ -8,8 +8,10 @@
 
 namespace proxima {
 
-/// This rank's slice of a model: a binary little-endian .ply file, or torus:NxM. Collective.
-[[nodiscard]] Result<MeshSlice> load_slice(const std::string& model, World& world);
+/// This rank's slice of a model: a binary little-endian .ply file, torus:NxM, or vertices as a .npy
+/// file, with one of `triangles`, which is empty else. Collective.
+[[nodiscard]] Result<MeshSlice> load_slice(const std::string& model, const std::string& triangles,
+                                           World& world);
 
 /// The box of the whole mesh. Error invalid_mesh where a coordinate is NaN, infinite or too large
 /// for exact arithmetic. Collective.

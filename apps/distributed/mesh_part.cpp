@@ -279,8 +279,9 @@ Result<MeshPart> make_mesh_part(MeshSlice slice, const PartOptions& options, Wor
         const auto assembled = assemble_part(std::move(*received), part);
         if (!assembled) return tl::unexpected(assembled.error());
         own = bounding_box(assembled->mesh);
-        auto index = build_part_index(assembled->mesh, frame, assembled->edges,
-                                      {.execution = {.threads = {1}}});
+        auto index =
+            build_part_index(assembled->mesh, frame, assembled->edges,
+                             {.execution = {.threads = {1}, .progress = &world.progress()}});
         if (!index) return tl::unexpected(index.error());
         part.index = *index;
         if (part.is_closed() || !options.has_winding_if_open) return {};
@@ -288,10 +289,11 @@ Result<MeshPart> make_mesh_part(MeshSlice slice, const PartOptions& options, Wor
     });
     if (!status) return tl::unexpected(status.error());
     using Ends = std::array<double, 6>;
-    for (const Ends& ends : world.share(Ends{own.lower[0], own.lower[1], own.lower[2], own.upper[0],
-                                             own.upper[1], own.upper[2]})) {
-        part.boxes.push_back({{ends[0], ends[1], ends[2]}, {ends[3], ends[4], ends[5]}});
-    }
+    const auto ends = world.all_gather(std::vector<Ends>{
+        {own.lower[0], own.lower[1], own.lower[2], own.upper[0], own.upper[1], own.upper[2]}});
+    if (!ends) return tl::unexpected(ends.error());
+    for (const Ends& at : ends->items)
+        part.boxes.push_back({{at[0], at[1], at[2]}, {at[3], at[4], at[5]}});
     return part;
 }
 

@@ -45,9 +45,14 @@ struct TorusSize {
 /// This rank's part of the torus. Collective.
 [[nodiscard]] Result<MeshSlice> make_torus_slice(const TorusSize& size, World& world);
 
-/// This rank's part of a binary little-endian PLY file of triangles: it reads its triangles and its
-/// share of the vertices, and has the others sent by the ranks that read them. Collective.
+/// This rank's part of a binary little-endian PLY file of triangles. Collective.
 [[nodiscard]] Result<MeshSlice> read_ply_slice(const std::filesystem::path& path, World& world);
+
+/// This rank's part of two arrays of NumPy, of N x 3 coordinates and M x 3 vertex numbers from 0.
+/// Collective.
+[[nodiscard]] Result<MeshSlice> read_npy_slice(const std::filesystem::path& vertices,
+                                               const std::filesystem::path& triangles,
+                                               World& world);
 
 /// The distinct numbers of the corners, ascending. Throws std::bad_alloc.
 [[nodiscard]] std::vector<std::uint64_t> used_vertices(const std::vector<WholeCorners>& triangles);

@@ -4,34 +4,28 @@
 #include "distributed/table_blocks.h"
 #include "distributed/world.h"
 
-#include <CLI/App.hpp>
+#include <functional>
 #include <string>
+
+namespace CLI {
+class App;
+}
 
 namespace proxima {
 
 struct QueryOptions {
     std::string model;
-    TableSource table; ///< of points or rays
-    std::string out;   ///< "-" for stdout
+    std::string triangles; ///< a .npy file where the model is one of vertices, or empty
+    TableSource table;     ///< of points or rays
+    std::string out = "-"; ///< "-" for stdout
     int routing_depth = 5;
     bool is_verified = false;
 };
 
-/// The commands, and which of them was given.
-class QueryCommands {
-public:
-    explicit QueryCommands(CLI::App& app);
-
-    [[nodiscard]] bool is_given() const;
-
-    /// Answers the questions and writes the answers on rank 0. Collective. \pre is_given()
-    [[nodiscard]] Status run(World& world) const;
-
-private:
-    CLI::App* closest_;
-    CLI::App* rays_;
-    CLI::App* sign_;
-    QueryOptions options_;
-};
+/// Each adds a subcommand. What it returns answers the table of the parsed arguments, writes the
+/// answers on rank 0 and is collective.
+[[nodiscard]] std::function<Status(World&)> add_closest_command(CLI::App& app);
+[[nodiscard]] std::function<Status(World&)> add_rays_command(CLI::App& app);
+[[nodiscard]] std::function<Status(World&)> add_sign_command(CLI::App& app);
 
 } // namespace proxima

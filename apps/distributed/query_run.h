@@ -10,6 +10,7 @@
 //     oracle(model), verify(oracle, part, rows, answers)    on rank 0: the library's own answers
 #pragma once
 
+#include "base/progress.h"
 #include "distributed/mesh_input.h"
 #include "distributed/mesh_part.h"
 #include "distributed/query_command.h"
@@ -36,7 +37,7 @@ public:
         if (!output) return tl::unexpected(output.error());
         auto table = TableBlocks::open(options_.table, Query::form, &Query::check_row, world_);
         if (!table) return tl::unexpected(table.error());
-        auto slice = load_slice(options_.model, world_);
+        auto slice = load_slice(options_.model, options_.triangles, world_);
         if (!slice) return tl::unexpected(slice.error());
         const auto part = make_mesh_part(std::move(*slice),
                                          {.routing_depth = options_.routing_depth,
@@ -50,6 +51,7 @@ public:
         Status status = output->write_header(
             [&](AnswerFormat format) { return Query::header(format, table->rows()); });
         if (!status) return status;
+        begin_stage(&world_.progress(), "answering", table->rows());
         while (true) {
             const auto block = table->next(world_);
             if (!block) return tl::unexpected(block.error());
@@ -61,6 +63,7 @@ public:
             status = write(*output, *part, (*block)->own.first, *answers);
             if (status) status = verify(*part, (*block)->all, std::move(*answers));
             if (!status) return status;
+            advance_stage(&world_.progress(), (*block)->all.size());
         }
         status = output->commit();
         if (!status) return status;
@@ -97,9 +100,7 @@ private:
     Status verify(const MeshPart& part, const TableRows& rows, std::vector<Answer> answers)
     {
         if (!options_.is_verified) return {};
-        std::vector<std::vector<Answer>> outgoing(static_cast<std::size_t>(world_.size()));
-        outgoing[0] = std::move(answers);
-        const auto all = world_.exchange(std::move(outgoing));
+        const auto all = world_.collect(std::move(answers));
         if (!all) return tl::unexpected(all.error());
         return world_.agree_on([&]() -> Status {
             return world_.rank() == 0 ? Query::verify(oracle_, part, rows, all->items) : Status{};

@@ -1,6 +1,5 @@
 #include "distributed/route_triangles.h"
 
-#include "distributed/routed_forest.h"
 #include "octree/coarse_bins.h"
 
 #include <algorithm>
@@ -12,6 +11,7 @@ namespace {
 struct RoutedTriangle {
     std::uint64_t id = 0;
     TriangleCorners corners = {}; ///< among the vertices of the same sender
+    std::uint32_t is_counted = 0; ///< 1 on the first rank that the triangle goes to
 };
 
 using Position = std::array<double, 3>;
@@ -26,8 +26,10 @@ int usable_depth(const OctreeFrame& frame, const RouteOptions& options)
     return depth;
 }
 
-/// The triangles of each cell of a depth. Throws std::bad_alloc.
-CoarseBins bins_of(const TriangleMesh& mesh, const OctreeFrame& frame, int depth)
+/// The triangles of each cell of a depth; not to be used once `progress` is cancelled. Throws
+/// std::bad_alloc.
+CoarseBins bins_of(const TriangleMesh& mesh, const OctreeFrame& frame, int depth,
+                   Progress* progress)
 {
     if (mesh.triangle_count() == 0) {
         CoarseBins bins;
@@ -35,7 +37,10 @@ CoarseBins bins_of(const TriangleMesh& mesh, const OctreeFrame& frame, int depth
         bins.first.assign((std::size_t{1} << (3 * depth)) + 1, 0);
         return bins;
     }
-    return bin_triangles(SnappedMesh(mesh, frame, Threads{1}, nullptr), depth, Threads{1}, nullptr);
+    begin_stage(progress, "routing", mesh.vertex_count() + 2 * mesh.triangle_count());
+    const SnappedMesh snapped(mesh, frame, Threads{1}, progress);
+    if (is_cancelled(progress)) return {};
+    return bin_triangles(snapped, depth, Threads{1}, progress);
 }
 
 /// Sets `ids` to the distinct triangles of a cell at or above the depth of the bins, ascending.
@@ -72,7 +77,8 @@ struct Messages {
 
 /// The triangles of one rank, with the vertices that they use.
 void pack(const MeshSlice& slice, const std::vector<std::uint32_t>& ids,
-          std::vector<RoutedTriangle>& triangles, std::vector<Position>& vertices)
+          std::vector<bool>& is_packed, std::vector<RoutedTriangle>& triangles,
+          std::vector<Position>& vertices)
 {
     std::vector<std::uint32_t> used;
     for (const std::uint32_t id : ids) {
@@ -88,6 +94,8 @@ void pack(const MeshSlice& slice, const std::vector<std::uint32_t>& ids,
     for (const std::uint32_t id : ids) {
         RoutedTriangle& triangle = triangles.emplace_back();
         triangle.id = slice.first_triangle + id;
+        triangle.is_counted = is_packed[id] ? 0 : 1;
+        is_packed[id] = true;
         for (std::size_t k = 0; k < 3; ++k) {
             const auto at = std::ranges::lower_bound(used, slice.mesh.triangles()[id][k]);
             triangle.corners[k] = static_cast<std::uint32_t>(at - used.begin());
@@ -107,10 +115,11 @@ Messages pack_all(const MeshSlice& slice, const CoarseBins& bins, const RoutedFo
     }
     Messages messages{std::vector<std::vector<RoutedTriangle>>(ranks),
                       std::vector<std::vector<Position>>(ranks)};
+    std::vector<bool> is_packed(slice.mesh.triangle_count());
     for (std::size_t r = 0; r < ranks; ++r) {
         std::ranges::sort(ids[r]);
         ids[r].erase(std::unique(ids[r].begin(), ids[r].end()), ids[r].end());
-        pack(slice, ids[r], messages.triangles[r], messages.vertices[r]);
+        pack(slice, ids[r], is_packed, messages.triangles[r], messages.vertices[r]);
         std::vector<std::uint32_t>().swap(ids[r]);
     }
     return messages;
@@ -130,6 +139,7 @@ Status unpack(const Received<RoutedTriangle>& triangles, const Received<Position
         for (std::size_t i = triangles.first[r]; i < triangles.first[r + 1]; ++i) {
             const RoutedTriangle& triangle = triangles.items[i];
             part.triangles.push_back(triangle.id);
+            part.is_counted.push_back(triangle.is_counted != 0);
             corners.push_back({triangle.corners[0] + shift, triangle.corners[1] + shift,
                                triangle.corners[2] + shift});
         }
@@ -141,9 +151,11 @@ Status unpack(const Received<RoutedTriangle>& triangles, const Received<Position
 }
 
 /// Fills the lists of part.keys.
-Status list_triangles(const OctreeFrame& frame, int routing_depth, RoutedPart& part)
+Status list_triangles(const OctreeFrame& frame, int routing_depth, Progress* progress,
+                      RoutedPart& part)
 {
-    const CoarseBins bins = bins_of(part.mesh, frame, routing_depth);
+    const CoarseBins bins = bins_of(part.mesh, frame, routing_depth, progress);
+    if (is_cancelled(progress)) return cancelled("routing triangles");
     std::vector<std::uint32_t> ids;
     part.first.push_back(0);
     for (const CellKey key : part.keys) {
@@ -164,18 +176,19 @@ Result<RoutedPart> route_triangles(MeshSlice slice, const OctreeFrame& frame,
     CoarseBins bins;
     std::vector<std::vector<CellCount>> counts;
     Status status = world.agree_on([&]() -> Status {
-        bins = bins_of(slice.mesh, frame, routing_depth);
+        bins = bins_of(slice.mesh, frame, routing_depth, &world.progress());
+        if (is_cancelled(&world.progress())) return cancelled("routing triangles");
         counts = count_cells(bins);
         return {};
     });
     if (!status) return tl::unexpected(status.error());
-    RoutedForest forest;
-    status = forest.build(counts, options.threshold, world);
+    auto forest = std::make_unique<RoutedForest>();
+    status = forest->build(counts, options.threshold, world);
     if (!status) return tl::unexpected(status.error());
 
     Messages messages;
     status = world.agree_on([&]() -> Status {
-        messages = pack_all(slice, bins, forest, static_cast<std::size_t>(world.size()));
+        messages = pack_all(slice, bins, *forest, static_cast<std::size_t>(world.size()));
         slice = MeshSlice{};
         bins = CoarseBins{};
         return {};
@@ -191,10 +204,11 @@ Result<RoutedPart> route_triangles(MeshSlice slice, const OctreeFrame& frame,
         if (!unpacked) return unpacked;
         *triangles = {};
         *vertices = {};
-        part.keys = forest.cells();
-        return list_triangles(frame, routing_depth, part);
+        part.keys = forest->cells();
+        return list_triangles(frame, routing_depth, &world.progress(), part);
     });
     if (!status) return tl::unexpected(status.error());
+    part.forest = std::move(forest);
     return part;
 }
 

@@ -2,10 +2,12 @@
 #pragma once
 
 #include "distributed/mesh_slice.h"
+#include "distributed/routed_forest.h"
 #include "distributed/world.h"
 #include "proxima/grow_cells.h"
 
 #include <cstdint>
+#include <memory>
 #include <vector>
 
 namespace proxima {
@@ -15,9 +17,11 @@ namespace proxima {
 struct RoutedPart {
     TriangleMesh mesh;
     std::vector<std::uint64_t> triangles; ///< triangle i's id in the whole mesh, ascending
+    std::vector<bool> is_counted;         ///< of all ranks that have triangle i, one counts it
     std::vector<CellKey> keys;            ///< in Morton order
     std::vector<TriangleId> lists;        ///< of all cells, one after the other
     std::vector<std::size_t> first;       ///< key i has lists[first[i], first[i + 1])
+    std::unique_ptr<RoutedForest> forest; ///< which rank owns which cells
 };
 
 struct RouteOptions {

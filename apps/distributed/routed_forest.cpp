@@ -112,6 +112,12 @@ int RoutedForest::owner(std::uint64_t cell, int depth) const
     return p8est_comm_find_owner(parts_->forest, 0, &quadrant, parts_->forest->mpirank);
 }
 
+int RoutedForest::owner(CellKey key) const
+{
+    const int level = depth(key);
+    return owner(key.bits ^ std::uint64_t{1} << (3 * level), level);
+}
+
 std::vector<CellKey> RoutedForest::cells() const
 {
     std::vector<CellKey> keys;

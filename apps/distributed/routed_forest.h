@@ -35,6 +35,7 @@ public:
 
     /// The rank that owns the cell's first corner. Not collective.
     [[nodiscard]] int owner(std::uint64_t cell, int depth) const;
+    [[nodiscard]] int owner(CellKey key) const;
 
     /// This rank's leaves, in Morton order.
     [[nodiscard]] std::vector<CellKey> cells() const;

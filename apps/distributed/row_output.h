@@ -27,14 +27,14 @@ public:
     template <class Make>
     [[nodiscard]] Status write(const Make& make, World& world)
     {
-        std::vector<std::vector<char>> outgoing(static_cast<std::size_t>(world.size()));
+        std::vector<char> own;
         const Status status = world.agree_on([&]() -> Status {
             const fmt::memory_buffer text = make(format_);
-            outgoing[0].assign(text.begin(), text.end());
+            own.assign(text.begin(), text.end());
             return {};
         });
         if (!status) return status;
-        const auto rows = world.exchange(std::move(outgoing));
+        const auto rows = world.collect(std::move(own));
         if (!rows) return tl::unexpected(rows.error());
         return world.agree_on([&] { return write_text({rows->items.data(), rows->items.size()}); });
     }

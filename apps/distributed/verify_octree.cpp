@@ -8,34 +8,36 @@ namespace proxima {
 
 namespace {
 
-/// Leaves in Morton order: their keys, the lengths of their lists, and the lists' ids in the whole.
+/// Leaves in Morton order: their keys and classes, the lengths of their lists, and the lists' ids in
+/// the whole.
 struct LeafList {
     std::vector<std::uint64_t> keys;
+    std::vector<std::uint8_t> classes;
     std::vector<std::uint64_t> lengths;
     std::vector<std::uint64_t> ids;
-    const std::vector<std::uint64_t>* whole_ids = nullptr; ///< null: ids are those of the whole
+    const OctreePart* part = nullptr; ///< null: ids are those of the whole
 
     static bool should_enter(const Cell&) { return true; }
     Flow visit_leaf(const Cell& cell, std::span<const TriangleId> triangles)
     {
         keys.push_back(cell.key.bits);
+        classes.push_back(static_cast<std::uint8_t>(cell.type));
         lengths.push_back(triangles.size());
         for (const TriangleId id : triangles) {
-            ids.push_back(whole_ids == nullptr ? to_index(id) : (*whole_ids)[to_index(id)]);
+            ids.push_back(part == nullptr ? to_index(id) : part->whole_id(id));
         }
         return Flow::proceed;
     }
 };
 
-Status compare(const OctreeRunOptions& options, const Received<std::uint64_t>& keys,
-               const Received<std::uint64_t>& lengths, const Received<std::uint64_t>& ids)
+Status compare(const OctreeRunOptions& options, const OctreeParameters& parameters,
+               const LeafList& found, Progress& progress)
 {
     const auto mesh = whole_mesh(options.model);
     if (!mesh) return tl::unexpected(mesh.error());
     const auto octree = build_octree(*mesh, {.max_depth = options.depth,
                                              .threshold = options.threshold,
-                                             .classification = Classification::none,
-                                             .execution = {.threads = {1}}});
+                                             .execution = {.threads = {1}, .progress = &progress}});
     if (!octree) return tl::unexpected(octree.error());
     LeafList expected;
     traverse(*octree, expected);
@@ -43,38 +45,41 @@ Status compare(const OctreeRunOptions& options, const Received<std::uint64_t>& k
         return fail(ErrorCode::broken_invariant,
                     concat(what, " differ from those of one process: this is a bug, report it"));
     };
-    if (keys.items != expected.keys) return differ("leaves");
-    if (lengths.items != expected.lengths) return differ("lengths of lists");
-    if (ids.items != expected.ids) return differ("lists");
+    if (found.keys != expected.keys) return differ("leaves");
+    if (found.lengths != expected.lengths) return differ("lengths of lists");
+    if (found.ids != expected.ids) return differ("lists");
+    if (found.classes != expected.classes) return differ("classes");
+    if (parameters != octree->parameters()) return differ("counts of regions");
     return {};
 }
 
 } // namespace
 
-Status verify_octree(const OctreeRunOptions& options, const RoutedPart& part,
-                     const GrownCells& grown, World& world)
+Status verify_octree(const OctreeRunOptions& options, const OctreePart& part, World& world)
 {
-    const auto ranks = static_cast<std::size_t>(world.size());
     LeafList own;
-    Status status = world.agree_on([&]() -> Status {
-        own.whole_ids = &part.triangles;
-        for (const Cell& cell : grown.cells) traverse_below(grown.octree, cell, own);
+    const Status status = world.agree_on([&]() -> Status {
+        own.part = &part;
+        for (const Cell& cell : part.cells) traverse_below(part.octree, cell, own);
         return {};
     });
     if (!status) return status;
-    const auto collect = [&](std::vector<std::uint64_t>& items) {
-        std::vector<std::vector<std::uint64_t>> outgoing(ranks);
-        outgoing[0] = std::move(items);
-        return world.exchange(std::move(outgoing));
-    };
-    const auto keys = collect(own.keys);
+    LeafList found;
+    auto keys = world.collect(std::move(own.keys));
     if (!keys) return tl::unexpected(keys.error());
-    const auto lengths = collect(own.lengths);
+    auto classes = world.collect(std::move(own.classes));
+    if (!classes) return tl::unexpected(classes.error());
+    auto lengths = world.collect(std::move(own.lengths));
     if (!lengths) return tl::unexpected(lengths.error());
-    const auto ids = collect(own.ids);
+    auto ids = world.collect(std::move(own.ids));
     if (!ids) return tl::unexpected(ids.error());
     return world.agree_on([&]() -> Status {
-        return world.rank() == 0 ? compare(options, *keys, *lengths, *ids) : Status{};
+        if (world.rank() != 0) return {};
+        found.keys = std::move(keys->items);
+        found.classes = std::move(classes->items);
+        found.lengths = std::move(lengths->items);
+        found.ids = std::move(ids->items);
+        return compare(options, part.octree.parameters(), found, world.progress());
     });
 }
 

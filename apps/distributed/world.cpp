@@ -29,6 +29,42 @@ Status World::agree(const Status& status) const
     return tl::unexpected(error);
 }
 
+namespace {
+
+/// On all ranks the bits that rank 0 has.
+void sum_numbers(void* values, std::size_t count, MPI_Datatype type, int rank)
+{
+    MPI_Reduce(rank == 0 ? MPI_IN_PLACE : values, values, static_cast<int>(count), type, MPI_SUM, 0,
+               MPI_COMM_WORLD);
+    MPI_Bcast(values, static_cast<int>(count), type, 0, MPI_COMM_WORLD);
+}
+
+} // namespace
+
+void World::sum(std::span<std::int64_t> values)
+{
+    sum_numbers(values.data(), values.size(), MPI_INT64_T, rank_);
+    sent_bytes_ += values.size_bytes();
+}
+
+void World::sum(std::span<double> values)
+{
+    sum_numbers(values.data(), values.size(), MPI_DOUBLE, rank_);
+    sent_bytes_ += values.size_bytes();
+}
+
+void World::send_to_first(std::span<const std::byte> bytes)
+{
+    MPI_Send(bytes.data(), static_cast<int>(bytes.size()), MPI_BYTE, 0, 0, MPI_COMM_WORLD);
+    sent_bytes_ += bytes.size();
+}
+
+void World::receive(int rank, std::span<std::byte> bytes)
+{
+    MPI_Recv(bytes.data(), static_cast<int>(bytes.size()), MPI_BYTE, rank, 0, MPI_COMM_WORLD,
+             MPI_STATUS_IGNORE);
+}
+
 std::uint64_t World::sum(std::uint64_t value) const
 {
     MPI_Allreduce(MPI_IN_PLACE, &value, 1, MPI_UINT64_T, MPI_SUM, MPI_COMM_WORLD);

@@ -1,6 +1,7 @@
 // All processes of a run: what one of them cannot do ends the work of all, with one message.
 #pragma once
 
+#include "base/progress.h"
 #include "base/text.h"
 #include "proxima/result.h"
 
@@ -9,6 +10,7 @@
 #include <limits>
 #include <mpi.h>
 #include <new>
+#include <span>
 #include <type_traits>
 #include <utility>
 #include <vector>
@@ -22,16 +24,20 @@ struct Received {
     std::vector<std::size_t> first;
 };
 
-/// The ranks of MPI_COMM_WORLD. Every member function but rank(), size() and sent_bytes() is
-/// collective: all ranks call it in the same order.
+/// The ranks of MPI_COMM_WORLD. Every member function is collective where nothing else is said: all
+/// ranks call it in the same order.
 class World {
 public:
     World();
 
+    // Not collective.
     [[nodiscard]] int rank() const noexcept { return rank_; }
     [[nodiscard]] int size() const noexcept { return size_; }
 
-    /// Bytes that this rank sent to others by exchange().
+    /// This rank's work; not collective. What cancels it on one rank stops all at the next agreement.
+    [[nodiscard]] Progress& progress() noexcept { return progress_; }
+
+    /// Bytes that this rank sent to others, but for messages of a few numbers. Not collective.
     [[nodiscard]] std::uint64_t sent_bytes() const noexcept { return sent_bytes_; }
 
     /// On all ranks, the error of the lowest rank that has one.
@@ -50,6 +56,7 @@ public:
                           concat("memory ran out on rank ", rank_, " of ", size_,
                                  ": use more machines, or fewer ranks on each"));
         }
+        if (status && progress_.cancelled()) status = cancelled("the work");
         return agree(status);
     }
 
@@ -81,21 +88,42 @@ public:
         return exchange(std::move(outgoing));
     }
 
+    /// The items of all ranks, on all ranks.
+    template <class T>
+    [[nodiscard]] Result<Received<T>> all_gather(const std::vector<T>& items)
+    {
+        std::vector<std::vector<T>> outgoing;
+        const Status status = agree_on([&]() -> Status {
+            outgoing.assign(static_cast<std::size_t>(size_), items);
+            return {};
+        });
+        if (!status) return tl::unexpected(status.error());
+        return exchange(std::move(outgoing));
+    }
+
+    /// Everything from all ranks, on rank 0; nothing elsewhere.
+    template <class T>
+    [[nodiscard]] Result<Received<T>> collect(std::vector<T> items)
+    {
+        std::vector<std::vector<T>> outgoing(static_cast<std::size_t>(size_));
+        outgoing[0] = std::move(items);
+        return exchange(std::move(outgoing));
+    }
+
+    /// Replaces numbers by their sums over the ranks, the same bits on all of them.
+    void sum(std::span<std::int64_t> values);
+    void sum(std::span<double> values);
+
+    /// A message to rank 0, which receives it. At most 2^31 bytes; each waits for the other. Not
+    /// collective.
+    void send_to_first(std::span<const std::byte> bytes);
+    static void receive(int rank, std::span<std::byte> bytes);
+
     [[nodiscard]] std::uint64_t sum(std::uint64_t value) const;
     [[nodiscard]] std::uint64_t max(std::uint64_t value) const;
     [[nodiscard]] std::uint64_t min(std::uint64_t value) const;
     /// The sum over the ranks below this one.
     [[nodiscard]] std::uint64_t sum_before(std::uint64_t value) const;
-    /// The values of all ranks, on all of them.
-    template <class T>
-    [[nodiscard]] std::vector<T> share(const T& value) const
-    {
-        static_assert(std::is_trivially_copyable_v<T>);
-        std::vector<T> values(static_cast<std::size_t>(size_));
-        MPI_Allgather(&value, sizeof(T), MPI_BYTE, values.data(), sizeof(T), MPI_BYTE,
-                      MPI_COMM_WORLD);
-        return values;
-    }
     /// The values of all ranks, on rank 0; empty elsewhere.
     [[nodiscard]] std::vector<std::uint64_t> gather(std::uint64_t value) const;
 
@@ -153,6 +181,7 @@ private:
     int rank_ = 0;
     int size_ = 1;
     std::uint64_t sent_bytes_ = 0;
+    Progress progress_;
 };
 
 /// The most memory that this process had so far, in 10^6 bytes; 0 where the system does not say.

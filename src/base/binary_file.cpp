@@ -1,5 +1,6 @@
 #include "base/binary_file.h"
 
+#include "base/check.h"
 #include "base/input_file.h"
 #include "base/progress.h"
 #include "base/text.h"
@@ -86,45 +87,156 @@ bool all_zero(std::span<const std::byte> bytes) noexcept
     return true;
 }
 
+/// Where the sections of a file lie; without checksums.
+struct Head {
+    Header header;
+    std::vector<TableEntry> table;
+
+    /// Sets the header's checksum; the bytes that the file begins with.
+    [[nodiscard]] std::vector<std::byte> sealed_bytes()
+    {
+        const auto entries = std::as_bytes(std::span(table));
+        header.checksum = head_checksum(header, entries);
+        const auto start = std::as_bytes(std::span(&header, 1));
+        std::vector<std::byte> bytes(start.begin(), start.end());
+        bytes.insert(bytes.end(), entries.begin(), entries.end());
+        return bytes;
+    }
+};
+
+Result<Head> head_of(const std::filesystem::path& path, const FileFormat& format,
+                     std::span<const SectionSize> sections)
+{
+    if (sections.size() > max_sections) {
+        return fail(ErrorCode::limit_exceeded, "too many sections", path.string());
+    }
+    Head head;
+    head.header.magic = format.magic;
+    head.header.version = format.version;
+    head.header.sections = static_cast<std::uint32_t>(sections.size());
+    std::uint64_t end = sizeof(Header) + sections.size() * sizeof(TableEntry);
+    for (const SectionSize& section : sections) {
+        const std::uint64_t offset = aligned(end);
+        head.table.push_back({section.id, section.element_bytes, offset, section.bytes, 0});
+        end = offset + section.bytes;
+    }
+    head.header.file_bytes = end;
+    return head;
+}
+
+/// Zeros up to where a section begins.
+Status write_gap(OutputFile& file, std::uint64_t& written, std::uint64_t offset)
+{
+    constexpr std::array<std::byte, section_alignment> zeros{};
+    const auto gap = static_cast<std::size_t>(offset - written);
+    written = offset;
+    return file.write(std::span(zeros).first(gap));
+}
+
 } // namespace
 
 Status write_binary_file(const std::filesystem::path& path, const FileFormat& format,
                          std::span<const BinarySection> sections, Progress* progress)
 {
-    if (sections.size() > max_sections) {
-        return fail(ErrorCode::limit_exceeded, "too many sections", path.string());
-    }
-    Header header;
-    header.magic = format.magic;
-    header.version = format.version;
-    header.sections = static_cast<std::uint32_t>(sections.size());
-    std::vector<TableEntry> table;
+    std::vector<SectionSize> sizes;
     std::uint64_t content = 0;
-    for (const BinarySection& section : sections) content += section.bytes.size();
-    begin_checksums(progress, content);
-    std::uint64_t end = sizeof header + sections.size() * sizeof(TableEntry);
     for (const BinarySection& section : sections) {
-        const std::uint64_t offset = aligned(end);
-        table.push_back({section.id, section.element_bytes, offset, section.bytes.size(),
-                         checksum(section.bytes, progress)});
-        end = offset + section.bytes.size();
+        sizes.push_back({section.id, section.element_bytes, section.bytes.size()});
+        content += section.bytes.size();
     }
-    header.file_bytes = end;
-    header.checksum = head_checksum(header, std::as_bytes(std::span(table)));
-
-    auto file = OutputFile::create(path, {progress, header.file_bytes});
-    if (!file) return tl::unexpected<Error>(file.error());
-    constexpr std::array<std::byte, section_alignment> zeros{};
-    if (auto status = file->write(std::as_bytes(std::span(&header, 1))); !status) return status;
-    if (auto status = file->write(std::as_bytes(std::span(table))); !status) return status;
-    std::uint64_t written = sizeof header + table.size() * sizeof(TableEntry);
+    auto head = head_of(path, format, sizes);
+    if (!head) return tl::unexpected<Error>(head.error());
+    begin_checksums(progress, content);
     for (std::size_t i = 0; i < sections.size(); ++i) {
-        const auto gap = static_cast<std::size_t>(table[i].offset - written);
-        if (auto status = file->write(std::span(zeros).first(gap)); !status) return status;
+        head->table[i].checksum = checksum(sections[i].bytes, progress);
+    }
+    auto file = OutputFile::create(path, {progress, head->header.file_bytes});
+    if (!file) return tl::unexpected<Error>(file.error());
+    const std::vector<std::byte> start = head->sealed_bytes();
+    if (auto status = file->write(start); !status) return status;
+    std::uint64_t written = start.size();
+    for (std::size_t i = 0; i < sections.size(); ++i) {
+        if (auto status = write_gap(*file, written, head->table[i].offset); !status) return status;
         if (auto status = file->write(sections[i].bytes); !status) return status;
-        written = table[i].offset + table[i].bytes;
+        written += sections[i].bytes.size();
     }
     return file->commit();
+}
+
+struct BinaryFileWriter::State {
+    OutputFile file;
+    Head head;
+    std::uint64_t written = 0; ///< bytes of the file
+    std::size_t section = 0;   ///< to which the next byte belongs
+    std::uint64_t left = 0;    ///< bytes of that section to come
+    XXH3_state_t checksum{};   ///< of that section so far
+
+    /// Goes to the first section from `section` on that has bytes.
+    Status begin_section()
+    {
+        for (; section < head.table.size(); ++section) {
+            TableEntry& entry = head.table[section];
+            const Status status = write_gap(file, written, entry.offset);
+            if (!status) return status;
+            XXH3_64bits_reset(&checksum);
+            left = entry.bytes;
+            if (left != 0) return {};
+            entry.checksum = XXH3_64bits_digest(&checksum);
+        }
+        return {};
+    }
+};
+
+BinaryFileWriter::BinaryFileWriter(std::unique_ptr<State> state) noexcept : state_(std::move(state))
+{}
+BinaryFileWriter::BinaryFileWriter(BinaryFileWriter&&) noexcept = default;
+BinaryFileWriter& BinaryFileWriter::operator=(BinaryFileWriter&&) noexcept = default;
+BinaryFileWriter::~BinaryFileWriter() = default;
+
+Result<BinaryFileWriter> BinaryFileWriter::create(const std::filesystem::path& path,
+                                                  const FileFormat& format,
+                                                  std::span<const SectionSize> sections,
+                                                  Progress* progress)
+{
+    auto head = head_of(path, format, sections);
+    if (!head) return tl::unexpected<Error>(head.error());
+    auto file = OutputFile::create(path, {progress, head->header.file_bytes});
+    if (!file) return tl::unexpected<Error>(file.error());
+    // No file until its head is there.
+    const std::vector<std::byte> zeros(sizeof(Header) + sections.size() * sizeof(TableEntry));
+    if (auto status = file->write(zeros); !status) return tl::unexpected<Error>(status.error());
+    auto state = std::unique_ptr<State>(new State{std::move(*file), std::move(*head)});
+    state->written = zeros.size();
+    if (auto status = state->begin_section(); !status) return tl::unexpected<Error>(status.error());
+    return BinaryFileWriter(std::move(state));
+}
+
+Status BinaryFileWriter::write(std::span<const std::byte> bytes)
+{
+    State& state = *state_;
+    while (!bytes.empty()) {
+        PROXIMA_CHECK(state.section < state.head.table.size());
+        const auto part = bytes.first(
+            static_cast<std::size_t>(std::min<std::uint64_t>(bytes.size(), state.left)));
+        bytes = bytes.subspan(part.size());
+        if (auto status = state.file.write(part); !status) return status;
+        XXH3_64bits_update(&state.checksum, part.data(), part.size());
+        state.written += part.size();
+        state.left -= part.size();
+        if (state.left != 0) break;
+        state.head.table[state.section++].checksum = XXH3_64bits_digest(&state.checksum);
+        if (auto status = state.begin_section(); !status) return status;
+    }
+    return {};
+}
+
+Status BinaryFileWriter::commit()
+{
+    State& state = *state_;
+    if (auto status = state.file.write(std::string_view()); !status) return status;
+    PROXIMA_CHECK(state.section == state.head.table.size());
+    if (auto status = state.file.overwrite(0, state.head.sealed_bytes()); !status) return status;
+    return state.file.commit();
 }
 
 void reseal_binary_file(std::span<std::byte> bytes) noexcept

@@ -57,6 +57,42 @@ requires std::has_unique_object_representations_v<T> || std::is_floating_point_v
                                        std::span<const BinarySection> sections,
                                        Progress* progress = nullptr);
 
+/// An array that is still to be written.
+struct SectionSize {
+    std::uint32_t id = 0;
+    std::uint32_t element_bytes = 1;
+    std::uint64_t bytes = 0;
+};
+
+/// Writes the file of write_binary_file, byte for byte, without having its sections in memory: their
+/// bytes come one after the other. Whole or not at all; the destination must be a regular file.
+class BinaryFileWriter {
+public:
+    /// `progress` sees the stage "writing". Errors: file_not_writable, limit_exceeded.
+    [[nodiscard]] static Result<BinaryFileWriter> create(const std::filesystem::path& path,
+                                                         const FileFormat& format,
+                                                         std::span<const SectionSize> sections,
+                                                         Progress* progress = nullptr);
+
+    BinaryFileWriter(BinaryFileWriter&&) noexcept;
+    BinaryFileWriter& operator=(BinaryFileWriter&&) noexcept;
+    BinaryFileWriter(const BinaryFileWriter&) = delete;
+    BinaryFileWriter& operator=(const BinaryFileWriter&) = delete;
+    ~BinaryFileWriter();
+
+    /// The next bytes of the sections. Errors: file_not_writable, cancelled; the same one from then
+    /// on. \pre no more bytes than the sections have
+    [[nodiscard]] Status write(std::span<const std::byte> bytes);
+
+    /// \pre all bytes were written, or write() failed
+    [[nodiscard]] Status commit();
+
+private:
+    struct State;
+    explicit BinaryFileWriter(std::unique_ptr<State> state) noexcept;
+    std::unique_ptr<State> state_;
+};
+
 /// Sets a file's checksums to those of its bytes, as far as it has a table; what a crafted file has
 /// done. For tests of readers, whose damaged files checksums would refuse before anything else.
 void reseal_binary_file(std::span<std::byte> bytes) noexcept;

@@ -66,12 +66,13 @@ private:
     sigset_t before_{};
 };
 
-// 0 or the errno of the failure.
-int write_all(int descriptor, const char* data, std::size_t size) noexcept
+// Writes all of it by write_some(data, size). 0 or the errno of the failure.
+template <class WriteSome>
+int write_all(const char* data, std::size_t size, const WriteSome& write_some) noexcept
 {
     const FileSizeSignalBlock block;
     while (size > 0) {
-        const ssize_t written = ::write(descriptor, data, size);
+        const ssize_t written = write_some(data, size);
         if (written < 0) {
             const int error_number = errno;
             if (error_number == EINTR) continue;
@@ -273,7 +274,12 @@ struct OutputFile::State {
     void flush() noexcept
     {
         stopped = stopped || is_cancelled(progress);
-        if (!failed()) error_number = write_all(descriptor, buffer.data(), buffer.size());
+        if (!failed()) {
+            error_number =
+                write_all(buffer.data(), buffer.size(), [this](const char* data, std::size_t size) {
+                    return ::write(descriptor, data, size);
+                });
+        }
         if (progress != nullptr) progress->advance(buffer.size());
         buffer.clear();
     }
@@ -337,6 +343,25 @@ Status OutputFile::write(std::string_view text)
 Status OutputFile::write(std::span<const std::byte> bytes)
 {
     return write(std::string_view(reinterpret_cast<const char*>(bytes.data()), bytes.size()));
+}
+
+Status OutputFile::overwrite(std::uint64_t offset, std::span<const std::byte> bytes)
+{
+    PROXIMA_CHECK(state_ != nullptr);
+    state_->flush();
+    if (state_->temporary.empty() && !state_->failed()) state_->error_number = ESPIPE;
+    if (!state_->failed()) {
+        state_->error_number = write_all(reinterpret_cast<const char*>(bytes.data()), bytes.size(),
+                                         [&](const char* data, std::size_t size) {
+                                             const auto at = static_cast<off_t>(offset);
+                                             const ssize_t written =
+                                                 ::pwrite(state_->descriptor, data, size, at);
+                                             if (written > 0)
+                                                 offset += static_cast<std::uint64_t>(written);
+                                             return written;
+                                         });
+    }
+    return state_->status();
 }
 
 Status OutputFile::commit()

@@ -57,6 +57,10 @@ public:
     [[nodiscard]] Status write(std::span<const std::byte> bytes);
     [[nodiscard]] Status write(std::string_view text);
 
+    /// Replaces bytes that were written before, and errors like write(). A destination that is
+    /// appended to directly is refused.
+    [[nodiscard]] Status overwrite(std::uint64_t offset, std::span<const std::byte> bytes);
+
     /// Writes what is still buffered, waits until the disk has it, and renames it over the
     /// destination: after a power cut the folder has the old file or the new one. The object is
     /// empty afterwards, on success and on failure. An error says so where the destination has been

@@ -1,12 +1,13 @@
 #include "octree/classify_cells.h"
 
 #include "base/disjoint_sets.h"
-#include "base/fixed_stack.h"
 #include "base/memory_budget.h"
 #include "base/parallel.h"
 #include "base/progress.h"
 #include "base/text.h"
+#include "octree/cells_at_caps.h"
 #include "octree/empty_cells.h"
+#include "octree/empty_regions.h"
 #include "octree/hole_caps.h"
 #include "octree/region_rays.h"
 #include "octree/winding_number.h"
@@ -27,40 +28,20 @@ namespace {
 /// So few winding numbers are found faster from all triangles than by sorting them first.
 constexpr std::size_t few_queries = 8;
 constexpr std::size_t chunk = 64;
-/// Each ray looks at every cap; of more caps, a region's winding number is asked for.
-constexpr std::size_t most_caps_for_rays = 20'000;
-
-/// Whether the closed box may touch the triangle: false only if its box or plane is clear of it.
-bool may_touch(const Triangle& triangle, const Box& box) noexcept
-{
-    const Box bounds = bounding_box(triangle);
-    if ((bounds.lower.array() > box.upper.array()).any() ||
-        (bounds.upper.array() < box.lower.array()).any()) {
-        return false;
-    }
-    const Vec3 size = (box.upper - box.lower).cwiseMax(bounds.upper - bounds.lower);
-    const double unit = size.maxCoeff() > 0.0 ? 1.0 / size.maxCoeff() : 1.0;
-    const Vec3 normal =
-        ((triangle[1] - triangle[0]) * unit).cross((triangle[2] - triangle[0]) * unit);
-    const double reach = normal.cwiseAbs().dot(0.5 * unit * (box.upper - box.lower));
-    const double distance = std::abs(normal.dot((box.center() - triangle[0]) * unit));
-    constexpr double slack = 1e-9; // far above rounding: an extra touch only costs time
-    return distance <= reach + slack * normal.norm();
-}
 
 class Classifier {
 public:
     Classifier(const Octree& octree, const TriangleMesh& mesh, TriangleMesh caps,
                const Execution& execution)
         : octree_(octree), mesh_(mesh), execution_(execution), caps_(std::move(caps)),
-          groups_(octree, capped() ? octants_at_caps() : std::vector<std::uint8_t>()),
+          groups_(octree, octants_at_caps(octree, caps_, execution.progress)),
           inner_(groups_.count())
     {}
 
     Result<ClassificationSummary> run(std::span<OctreeNode> nodes)
     {
         begin_stage("empty cells", 1);
-        find_regions();
+        areas_ = find_regions(octree_, groups_, capped(), execution_.progress);
         if (is_cancelled(execution_.progress)) return cancelled("classifying cells");
         find_region_windings();
         if (is_cancelled(execution_.progress)) return cancelled("classifying cells");
@@ -97,92 +78,12 @@ private:
         });
     }
 
-    /// Descends with each cap to the empty cells that it may touch: a mask for each record.
-    [[nodiscard]] std::vector<std::uint8_t> octants_at_caps() const
-    {
-        std::vector<std::uint8_t> at_caps(octree_.nodes().size());
-        if (octree_.nodes()[0].is_leaf()) return at_caps;
-        for (std::uint32_t i = 0; i < caps_.triangle_count() && !is_cancelled(execution_.progress);
-             ++i) {
-            const Triangle cap = caps_.triangle(TriangleId{i});
-            FixedStack<Cell, 7 * max_octree_depth + 1> pending;
-            pending.push(octree_.root());
-            while (!pending.empty()) {
-                const Cell parent = pending.pop();
-                const std::uint32_t empty = empty_octants(octree_, parent.node);
-                for (int octant = 0; octant < 8; ++octant) {
-                    const Cell child = octree_.child(parent, octant);
-                    const std::uint32_t bit = 1U << static_cast<unsigned>(octant);
-                    const bool is_empty = (empty & bit) != 0;
-                    if (!is_empty && octree_.is_leaf(child)) continue;
-                    if (!may_touch(cap, octree_.box(child))) continue;
-                    if (is_empty) {
-                        at_caps[parent.node] |= static_cast<std::uint8_t>(bit);
-                    } else {
-                        pending.push(child);
-                    }
-                }
-            }
-        }
-        return at_caps;
-    }
-
-    /// Numbers the sets, those of `left_out` aside, by their smallest members.
-    template <class LeftOut>
-    [[nodiscard]] std::vector<std::uint32_t> number_sets(DisjointSets& sets,
-                                                         const LeftOut& left_out) const
-    {
-        std::vector<std::uint32_t> set_of(groups_.count(), EmptyRegions::none);
-        std::uint32_t count = 0;
-        for (GroupNumber group = 0; group < groups_.count(); ++group) {
-            if (left_out(groups_[group])) continue;
-            const GroupNumber smallest = sets.find(group);
-            set_of[group] = smallest == group ? count++ : set_of[smallest];
-        }
-        return set_of;
-    }
-
-    /// Components, and regions: what is left of them without cells at caps. A region starts at its
-    /// largest cell.
-    void find_regions()
-    {
-        struct Meeting {
-            GroupNumber a = 0;
-            GroupNumber b = 0;
-        };
-        std::vector<Meeting> at_caps;
-        DisjointSets sets(groups_.count());
-        const auto meet = [&](GroupNumber a, GroupNumber b) {
-            if (capped() && (groups_[a].is_alone || groups_[b].is_alone)) {
-                at_caps.push_back({a, b});
-            } else {
-                sets.unite(a, b);
-            }
-        };
-        EmptyFaces(octree_, groups_, meet, execution_.progress).visit_all();
-        if (is_cancelled(execution_.progress)) return;
-        areas_.of_group = number_sets(sets, [](const EmptyGroup& group) { return group.is_alone; });
-        for (GroupNumber group = 0; group < groups_.count(); ++group) {
-            const std::uint32_t region = areas_.of_group[group];
-            if (region == EmptyRegions::none) continue;
-            const CellKey first = groups_[group].first_cell();
-            if (region == areas_.start.size()) {
-                areas_.start.push_back(first);
-            } else {
-                areas_.start[region] = std::min(areas_.start[region], first);
-            }
-        }
-        if (!capped()) return;
-        for (const Meeting& meeting : at_caps) sets.unite(meeting.a, meeting.b);
-        component_of_ = number_sets(sets, [](const EmptyGroup&) { return false; });
-    }
-
     /// The whole winding number of mesh and caps in each region: 0 where it reaches the root's
     /// faces, beyond which all is outside; elsewhere what rays from region to region make of that.
     void find_region_windings()
     {
-        const auto outside = static_cast<std::uint32_t>(areas_.start.size());
-        DisjointOffsets windings(areas_.start.size() + 1);
+        const std::uint32_t outside = areas_.count();
+        DisjointOffsets windings(areas_.count() + 1);
         for (GroupNumber group = 0; group < groups_.count(); ++group) {
             if (groups_[group].at_root_face && !groups_[group].is_alone) {
                 windings.unite(outside, areas_.of_group[group], 0);
@@ -275,7 +176,7 @@ private:
         std::vector<Component> components;
         for (GroupNumber number = 0; number < groups_.count(); ++number) {
             const EmptyGroup& group = groups_[number];
-            const std::uint32_t at = capped() ? component_of_[number] : areas_.of_group[number];
+            const std::uint32_t at = areas_.component(number);
             if (at == components.size()) components.emplace_back();
             Component& component = components[at];
             component.leaves += leaves_of(group);
@@ -330,8 +231,7 @@ private:
     TriangleMesh caps_;
     EmptyGroups groups_;                       ///< cells that a cap may touch are alone
     std::vector<std::uint8_t> inner_;          ///< the octants of each group that are inner
-    EmptyRegions areas_;                       ///< groups that share faces, parted by caps
-    std::vector<std::uint32_t> component_of_;  ///< the same, not parted; empty without caps
+    EmptyRegions areas_;                       ///< groups that share faces
     std::vector<std::int32_t> region_winding_; ///< of mesh and caps
     std::optional<WindingNumber> winding_;     ///< absent where few queries are needed
     std::optional<WindingNumber> cap_winding_;

@@ -1,4 +1,4 @@
-#include "proxima/grow_cells.h"
+#include "octree/grow_part.h"
 
 #include "base/memory_budget.h"
 #include "base/progress.h"
@@ -96,21 +96,31 @@ Status check_cells(std::span<const CellTriangles> cells, std::size_t triangle_co
     return {};
 }
 
-/// Splits the root down to the cells that have triangles.
+/// Splits the root down to cells.
 class PathWriter {
 public:
-    PathWriter(std::span<const CellTriangles> cells, OctreeOutput& output) noexcept
-        : cells_(cells), output_(output)
+    PathWriter(std::span<const CellTriangles> cells, CellsElsewhere elsewhere,
+               OctreeOutput& output) noexcept
+        : cells_(cells), elsewhere_(elsewhere), output_(output)
     {}
 
-    /// records[i] = where cells[occupied[i]] is to go. \pre !occupied.empty()
-    void write(std::span<const std::size_t> occupied, std::vector<std::uint32_t>& records)
+    /// Splits down to cells[which[i]]; the records of those with triangles, in their order.
+    std::vector<std::uint32_t> write(std::span<const std::size_t> which)
     {
+        std::vector<std::uint32_t> records;
+        if (which.empty() || is_empty_cell(CellKey{}, which)) return records;
         output_.nodes.push_back(OctreeNode{});
-        descend(CellKey{}, 0, occupied, records);
+        descend(CellKey{}, 0, which, records);
+        return records;
     }
 
 private:
+    [[nodiscard]] bool is_empty_cell(CellKey key, std::span<const std::size_t> in_it) const
+    {
+        const CellTriangles& first = cells_[in_it.front()];
+        return first.key == key && first.triangles.empty();
+    }
+
     /// The cells that are left lie in the cell `key`, whose node is `record`.
     void descend(CellKey key, std::uint32_t record, std::span<const std::size_t> left,
                  std::vector<std::uint32_t>& records)
@@ -133,26 +143,31 @@ private:
                 return morton_range(cells_[cell].key).first >= end;
             });
             const auto in_child = static_cast<std::size_t>(behind - left.begin());
-            if (in_child == 0) continue;
-            parts[count++] = {below, left.first(in_child)};
-            recorded |= 1U << static_cast<unsigned>(octant);
+            const auto cells = left.first(in_child);
             left = left.subspan(in_child);
+            const bool is_left_out = in_child == 0 ? elsewhere_ == CellsElsewhere::unrecorded
+                                                   : is_empty_cell(below, cells);
+            if (is_left_out) continue;
+            parts[count++] = {below, cells};
+            recorded |= 1U << static_cast<unsigned>(octant);
         }
         const auto first = static_cast<std::uint32_t>(output_.nodes.size());
         output_.nodes[record] = OctreeNode::split(first, recorded);
-        for (std::size_t i = 0; i < count; ++i) output_.nodes.push_back(OctreeNode{});
+        for (std::size_t i = 0; i < count; ++i) output_.nodes.push_back(OctreeNode::leaf(0, 0));
         for (std::size_t i = 0; i < count; ++i) {
+            if (parts[i].cells.empty()) continue;
             descend(parts[i].key, first + static_cast<std::uint32_t>(i), parts[i].cells, records);
         }
     }
 
     std::span<const CellTriangles> cells_;
+    CellsElsewhere elsewhere_;
     OctreeOutput& output_;
 };
 
-Result<GrownCells> grow_unguarded(const TriangleMesh& mesh, const OctreeFrame& frame,
-                                  std::span<const CellTriangles> cells,
-                                  const GrowCellsOptions& options)
+Result<GrownPart> grow_unguarded(const TriangleMesh& mesh, const OctreeFrame& frame,
+                                 std::span<const CellTriangles> cells, CellsElsewhere elsewhere,
+                                 const GrowCellsOptions& options)
 {
     if (auto status = check_cells(cells, mesh.triangle_count(), options.max_depth); !status) {
         return tl::unexpected(status.error());
@@ -174,52 +189,66 @@ Result<GrownCells> grow_unguarded(const TriangleMesh& mesh, const OctreeFrame& f
     begin_stage(progress, "snapping", mesh.vertex_count());
     const SnappedMesh snapped(mesh, frame, Threads{1}, progress);
     if (is_cancelled(progress)) return cancelled("growing cells");
+    GrownPart grown;
     std::vector<std::size_t> occupied;
+    std::vector<std::size_t> all;
     std::uint64_t references = 0;
     for (std::size_t i = 0; i < cells.size(); ++i) {
         if (!cells[i].triangles.empty()) occupied.push_back(i);
+        all.push_back(i);
         references += cells[i].triangles.size();
+        grown.cells.push_back({.key = cells[i].key});
     }
-    const auto output = std::make_shared<OctreeOutput>();
-    std::vector<std::uint32_t> records;
-    if (!occupied.empty()) PathWriter(cells, *output).write(occupied, records);
+    OctreeOutput& output = grown.arrays;
+    const std::vector<std::uint32_t> records =
+        PathWriter(cells, elsewhere, output)
+            .write(elsewhere == CellsElsewhere::recorded ? all : occupied);
+    grown.upper_records = static_cast<std::uint32_t>(output.nodes.size());
 
     begin_stage(progress, "octree", references);
     SubtreeGrower grower(limits);
     FastChildTest test(snapped);
-    GrownCells grown;
-    for (const CellTriangles& cell : cells) grown.cells.push_back({.key = cell.key});
     for (std::size_t i = 0; i < occupied.size(); ++i) {
         const CellTriangles& cell = cells[occupied[i]];
         const auto* const ids = reinterpret_cast<const std::uint32_t*>(cell.triangles.data());
         const auto root = grower.grow(
-            {grid_corner(cell.key), depth(cell.key), {ids, cell.triangles.size()}}, test, *output);
+            {grid_corner(cell.key), depth(cell.key), {ids, cell.triangles.size()}}, test, output);
         if (!root) return tl::unexpected(root.error());
-        output->nodes[records[i]] = *root;
+        output.nodes[records[i]] = *root;
         grown.cells[occupied[i]] = {cell.key, records[i], CellClass::boundary};
         advance_stage(progress, cell.triangles.size());
         if (is_cancelled(progress)) return cancelled("growing cells");
     }
-    output->nodes.shrink_to_fit();
-    output->references.shrink_to_fit();
-    const OctreeParameters parameters{
-        .max_depth = options.max_depth, .threshold = options.threshold, .exact = true};
-    grown.octree = Octree::adopt(frame, parameters, mesh.triangle_count(), output->nodes.span(),
-                                 output->references.span(), output);
+    output.nodes.shrink_to_fit();
+    output.references.shrink_to_fit();
     return grown;
 }
 
 } // namespace
 
-Result<GrownCells> grow_cells(const TriangleMesh& mesh, const OctreeFrame& frame,
-                              std::span<const CellTriangles> cells, const GrowCellsOptions& options)
+Result<GrownPart> grow_part(const TriangleMesh& mesh, const OctreeFrame& frame,
+                            std::span<const CellTriangles> cells, CellsElsewhere elsewhere,
+                            const GrowCellsOptions& options)
 {
     try {
-        return grow_unguarded(mesh, frame, cells, options);
+        return grow_unguarded(mesh, frame, cells, elsewhere, options);
     } catch (const std::bad_alloc&) {
         return fail(ErrorCode::budget_exceeded,
                     "memory ran out: lower the depth, raise the threshold or set a budget");
     }
+}
+
+Result<GrownCells> grow_cells(const TriangleMesh& mesh, const OctreeFrame& frame,
+                              std::span<const CellTriangles> cells, const GrowCellsOptions& options)
+{
+    auto part = grow_part(mesh, frame, cells, CellsElsewhere::unrecorded, options);
+    if (!part) return tl::unexpected(part.error());
+    const auto output = std::make_shared<OctreeOutput>(std::move(part->arrays));
+    GrownCells grown;
+    grown.octree = Octree::adopt(frame, part_parameters(options), mesh.triangle_count(),
+                                 output->nodes.span(), output->references.span(), output);
+    grown.cells = std::move(part->cells);
+    return grown;
 }
 
 } // namespace proxima

@@ -42,14 +42,6 @@ std::uint64_t hash(const Vec3& position) noexcept
     return hash;
 }
 
-/// An edge and how many more triangles run from `from` to `to` than back. A triangle adds at most
-/// one, so that the sums of all triangles fit.
-struct DirectedEdge {
-    std::uint32_t from = 0;
-    std::uint32_t to = 0;
-    std::int32_t excess = 0;
-};
-
 std::uint64_t packed(std::uint32_t from, std::uint32_t to) noexcept
 {
     return std::uint64_t{from} << 32U | to;
@@ -152,31 +144,21 @@ std::optional<std::vector<DirectedEdge>> edges_unbalanced_by_id(const TriangleMe
     return edges;
 }
 
-constexpr unsigned hash_bits = 44;
-
-/// For each vertex of the edges the first one of the mesh at the same position, for others any
-/// number; nothing where `steps` asks to stop.
+/// For each vertex of the edges the first one of them at the same position, for others any number;
+/// nothing where `steps` asks to stop.
 std::optional<std::vector<std::uint32_t>>
-first_at_same_position(const TriangleMesh& mesh, std::span<const DirectedEdge> edges,
+first_at_same_position(std::span<const Vec3> positions, std::span<const DirectedEdge> edges,
                        StageSteps& steps)
 {
-    const auto positions = mesh.positions();
-    // Few vertices may be where one of the edges ends: a bit for each of many cheap hashes tells.
-    const int filter_bits = std::clamp(static_cast<int>(std::bit_width(edges.size())) + 4, 10, 30);
-    const auto filter_hash = [&](const Vec3& position) {
-        const auto [x, y, z] = bits_of(position);
-        return (x + 3 * y + 5 * z) * 0x9E3779B97F4A7C15U >> (64 - filter_bits);
-    };
-    std::vector<bool> is_end(std::size_t{1} << filter_bits);
+    constexpr unsigned hash_bits = 44;
+    std::vector<bool> is_end(positions.size());
     for (const DirectedEdge& edge : edges) {
-        is_end[filter_hash(positions[edge.from])] = true;
-        is_end[filter_hash(positions[edge.to])] = true;
+        is_end[edge.from] = true;
+        is_end[edge.to] = true;
     }
     std::vector<KeyedIndex> items;
     for (std::uint32_t i = 0; i < positions.size(); ++i) {
-        if (is_end[filter_hash(positions[i])]) {
-            items.push_back({hash(positions[i]) >> (64 - hash_bits), i});
-        }
+        if (is_end[i]) items.push_back({hash(positions[i]) >> (64 - hash_bits), i});
         if (!steps.done(1)) return std::nullopt;
     }
     if (!radix_sort(items, hash_bits, steps)) return std::nullopt;
@@ -198,42 +180,53 @@ first_at_same_position(const TriangleMesh& mesh, std::span<const DirectedEdge> e
     return first;
 }
 
-/// The unbalanced edges, with vertices at equal positions as one; nothing where stopped.
-std::optional<std::vector<DirectedEdge>> unbalanced_edges(const TriangleMesh& mesh,
-                                                          Progress* progress)
+/// Takes vertices at equal positions as one and sums the edges up again. False where stopped.
+bool join_equal_positions(std::span<const Vec3> positions, std::vector<DirectedEdge>& edges,
+                          Progress* progress)
 {
-    StageSteps steps(progress, "looking for holes", mesh.triangle_count() + mesh.vertex_count());
-    // Edges that cancel by vertex id cancel by position too. Only for the rest are vertices at the
-    // same position looked for.
-    auto edges = edges_unbalanced_by_id(mesh, steps);
-    if (!edges || edges->empty()) return edges;
-    const auto first = first_at_same_position(mesh, *edges, steps);
-    if (!first) return std::nullopt;
-    for (DirectedEdge& edge : *edges) {
+    StageSteps steps(progress, "looking for holes", positions.size());
+    const auto first = first_at_same_position(positions, edges, steps);
+    if (!first) return false;
+    for (DirectedEdge& edge : edges) {
         edge.from = (*first)[edge.from];
         edge.to = (*first)[edge.to];
     }
-    std::erase_if(*edges, [](const DirectedEdge& edge) { return edge.from == edge.to; });
-    if (!sum_up(*edges, mesh.vertex_count(), steps)) return std::nullopt;
-    return edges;
+    std::erase_if(edges, [](const DirectedEdge& edge) { return edge.from == edge.to; });
+    return sum_up(edges, positions.size(), steps);
 }
 
 } // namespace
 
+Result<std::vector<DirectedEdge>> unbalanced_edges(const TriangleMesh& mesh, Progress* progress)
+{
+    StageSteps steps(progress, "looking for holes", mesh.triangle_count());
+    auto edges = edges_unbalanced_by_id(mesh, steps);
+    if (!edges) return cancelled("looking for holes");
+    return std::move(*edges);
+}
+
 Result<TriangleMesh> hole_caps(const TriangleMesh& mesh, Progress* progress)
 {
-    const auto found = unbalanced_edges(mesh, progress);
-    if (!found) {
+    // Edges that cancel by vertex id cancel by position too. Only for the rest are vertices at the
+    // same position looked for.
+    auto edges = unbalanced_edges(mesh, progress);
+    if (!edges) return tl::unexpected(edges.error());
+    return cap_rims(std::move(*edges), mesh.positions(), progress);
+}
+
+Result<TriangleMesh> cap_rims(std::vector<DirectedEdge> edges, std::span<const Vec3> mesh_positions,
+                              Progress* progress)
+{
+    if (!edges.empty() && !join_equal_positions(mesh_positions, edges, progress)) {
         return cancelled("looking for holes");
     }
-    const std::vector<DirectedEdge>& edges = *found;
     std::map<std::uint32_t, std::uint32_t> renumbered; // vertices of the mesh to those of the caps
     std::vector<Vec3> positions;
     for (const DirectedEdge& edge : edges) {
         for (const std::uint32_t vertex : {edge.from, edge.to}) {
             if (renumbered.try_emplace(vertex, static_cast<std::uint32_t>(positions.size()))
                     .second) {
-                positions.push_back(mesh.positions()[vertex]);
+                positions.push_back(mesh_positions[vertex]);
             }
         }
     }

@@ -59,11 +59,20 @@ struct Collector {
 
 Result<std::vector<LeafBox>> leaf_boxes(const Octree& octree, LeafChoice choice, Progress* progress)
 {
+    const Cell root = octree.root();
+    return leaf_boxes_below(octree, {&root, 1}, choice, progress);
+}
+
+Result<std::vector<LeafBox>> leaf_boxes_below(const Octree& octree, std::span<const Cell> cells,
+                                              LeafChoice choice, Progress* progress)
+{
     std::vector<LeafBox> leaves;
     StageSteps steps(progress, "collecting leaves", octree.nodes().size());
     Collector collector{octree, choice, leaves, steps};
-    traverse(octree, collector);
-    if (collector.stopped) return cancelled("the export");
+    for (const Cell& cell : cells) {
+        traverse_below(octree, cell, collector);
+        if (collector.stopped) return cancelled("the export");
+    }
     return leaves;
 }
 

@@ -7,6 +7,7 @@
 
 #include <array>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 namespace proxima {
@@ -25,6 +26,11 @@ enum class LeafChoice : std::uint8_t { all, boundary };
 /// Leaves in Morton order. Error cancelled by `progress`, stage "collecting leaves".
 [[nodiscard]] Result<std::vector<LeafBox>> leaf_boxes(const Octree& octree, LeafChoice choice,
                                                       Progress* progress);
+
+/// Those below some cells, in the order of the cells.
+[[nodiscard]] Result<std::vector<LeafBox>> leaf_boxes_below(const Octree& octree,
+                                                            std::span<const Cell> cells,
+                                                            LeafChoice choice, Progress* progress);
 
 /// The distinct corners of boxes, each once.
 class LeafCorners {

@@ -1,6 +1,5 @@
-#include "proxima/octree_io.h"
+#include "octree/octree_file.h"
 
-#include "base/binary_file.h"
 #include "base/text.h"
 #include "octree/check_structure.h"
 
@@ -11,50 +10,6 @@
 namespace proxima {
 
 namespace {
-
-constexpr FileFormat octree_format{{'P', 'r', 'o', 'x', 'i', 'm', 'a', 'O'}, 1, "octree file"};
-
-enum SectionId : std::uint32_t { header_section = 1, nodes_section = 2, references_section = 3 };
-
-/// Everything but the arrays. Doubles by their bits, so that the struct has no other values.
-struct OctreeFileHeader {
-    std::array<std::uint64_t, 3> lower{};
-    std::array<std::uint64_t, 3> edge{};
-    std::uint64_t triangle_count = 0;
-    std::uint64_t leaked_leaves = 0;
-    std::uint32_t components = 0;
-    std::uint32_t leaked_components = 0;
-    std::uint32_t max_depth = 0;
-    std::uint32_t threshold = 0;
-    std::uint8_t method = 0;
-    std::uint8_t subdivision = 0;
-    std::uint8_t exact = 0;
-    std::uint8_t classified = 0;
-    std::uint32_t reserved = 0;
-};
-static_assert(sizeof(OctreeFileHeader) == 88);
-
-OctreeFileHeader file_header(const Octree& octree)
-{
-    const OctreeParameters& parameters = octree.parameters();
-    OctreeFileHeader header;
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-        const auto i = static_cast<Eigen::Index>(axis);
-        header.lower[axis] = std::bit_cast<std::uint64_t>(octree.frame().lower[i]);
-        header.edge[axis] = std::bit_cast<std::uint64_t>(octree.frame().edge[i]);
-    }
-    header.triangle_count = octree.triangle_count();
-    header.leaked_leaves = parameters.classification.leaked_leaves;
-    header.components = parameters.classification.components;
-    header.leaked_components = parameters.classification.leaked_components;
-    header.max_depth = static_cast<std::uint32_t>(parameters.max_depth);
-    header.threshold = parameters.threshold;
-    header.method = static_cast<std::uint8_t>(parameters.method);
-    header.subdivision = static_cast<std::uint8_t>(parameters.subdivision);
-    header.exact = parameters.exact ? 1 : 0;
-    header.classified = parameters.classified ? 1 : 0;
-    return header;
-}
 
 /// Values that are not values of the enums and bools in memory must be refused before they are
 /// converted.
@@ -87,7 +42,7 @@ Octree make_octree(const OctreeFileHeader& header, std::span<const OctreeNode> n
                          std::move(storage));
 }
 
-Result<Octree> octree_of(const BinaryFile& file, const std::string& name, Progress* progress)
+Result<Octree> unchecked_octree_of(const BinaryFile& file, const std::string& name)
 {
     const auto headers = file.section<OctreeFileHeader>(header_section);
     if (!headers) return tl::unexpected<Error>(headers.error());
@@ -98,8 +53,14 @@ Result<Octree> octree_of(const BinaryFile& file, const std::string& name, Progre
     if (headers->size() != 1 || !representable(headers->front())) {
         return fail(ErrorCode::malformed_file, "the octree's parameters are damaged", name);
     }
-    Octree octree = make_octree(headers->front(), *nodes, *references, file.storage());
-    if (const Status status = check_structure(octree, progress); !status) {
+    return make_octree(headers->front(), *nodes, *references, file.storage());
+}
+
+Result<Octree> octree_of(const BinaryFile& file, const std::string& name, Progress* progress)
+{
+    auto octree = unchecked_octree_of(file, name);
+    if (!octree) return octree;
+    if (const Status status = check_structure(*octree, progress); !status) {
         // A broken invariant of a built octree is a bug; in a file it is damage.
         const bool stopped = status.error().code == ErrorCode::cancelled;
         return fail(stopped ? ErrorCode::cancelled : ErrorCode::malformed_file,
@@ -108,12 +69,51 @@ Result<Octree> octree_of(const BinaryFile& file, const std::string& name, Progre
     return octree;
 }
 
+Result<BinaryFile> open_file(const std::filesystem::path& path, const LoadOptions& options)
+{
+    return BinaryFile::open(path, octree_format,
+                            {.verify = options.verify,
+                             .access = options.access,
+                             .budget = options.execution.budget,
+                             .progress = options.execution.progress});
+}
+
 } // namespace
+
+OctreeFileHeader octree_file_header(const OctreeFrame& frame, const OctreeParameters& parameters,
+                                    std::uint64_t triangle_count)
+{
+    OctreeFileHeader header;
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+        const auto i = static_cast<Eigen::Index>(axis);
+        header.lower[axis] = std::bit_cast<std::uint64_t>(frame.lower[i]);
+        header.edge[axis] = std::bit_cast<std::uint64_t>(frame.edge[i]);
+    }
+    header.triangle_count = triangle_count;
+    header.leaked_leaves = parameters.classification.leaked_leaves;
+    header.components = parameters.classification.components;
+    header.leaked_components = parameters.classification.leaked_components;
+    header.max_depth = static_cast<std::uint32_t>(parameters.max_depth);
+    header.threshold = parameters.threshold;
+    header.method = static_cast<std::uint8_t>(parameters.method);
+    header.subdivision = static_cast<std::uint8_t>(parameters.subdivision);
+    header.exact = parameters.exact ? 1 : 0;
+    header.classified = parameters.classified ? 1 : 0;
+    return header;
+}
+
+Result<Octree> load_unchecked_octree(const std::filesystem::path& path, const LoadOptions& options)
+{
+    const auto file = open_file(path, options);
+    if (!file) return tl::unexpected<Error>(file.error());
+    return unchecked_octree_of(*file, path.string());
+}
 
 Status save_octree(const Octree& octree, const std::filesystem::path& path,
                    const SaveOptions& options)
 {
-    const OctreeFileHeader header = file_header(octree);
+    const OctreeFileHeader header =
+        octree_file_header(octree.frame(), octree.parameters(), octree.triangle_count());
     const std::array<BinarySection, 3> sections = {
         binary_section(header_section, std::span(&header, 1)),
         binary_section(nodes_section, octree.nodes()),
@@ -123,11 +123,7 @@ Status save_octree(const Octree& octree, const std::filesystem::path& path,
 
 Result<Octree> load_octree(const std::filesystem::path& path, const LoadOptions& options)
 {
-    const auto file = BinaryFile::open(path, octree_format,
-                                       {.verify = options.verify,
-                                        .access = options.access,
-                                        .budget = options.execution.budget,
-                                        .progress = options.execution.progress});
+    const auto file = open_file(path, options);
     if (!file) return tl::unexpected<Error>(file.error());
     return octree_of(*file, path.string(), options.execution.progress);
 }

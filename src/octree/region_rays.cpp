@@ -165,6 +165,7 @@ std::optional<RegionRays::End> RegionRays::cast(std::uint32_t region, int direct
             if (!change) return std::nullopt;
             return End{here, *change};
         } else if (!location.is_empty) {
+            if (octree_.nodes()[location.id].count() == 0) return std::nullopt;
             scratch.passed.push_back(location.id);
         }
         if (exit == (up ? last_plane : 0)) {

@@ -9,28 +9,24 @@
 
 #include "base/disjoint_sets.h"
 #include "octree/empty_cells.h"
+#include "octree/empty_regions.h"
 #include "proxima/execution.h"
 #include "proxima/octree.h"
 #include "proxima/triangle_mesh.h"
 
 #include <array>
 #include <cstdint>
-#include <limits>
 #include <optional>
 #include <span>
 #include <vector>
 
 namespace proxima {
 
-/// Regions of empty cells: sets without a triangle between them.
-struct EmptyRegions {
-    static constexpr std::uint32_t none = std::numeric_limits<std::uint32_t>::max();
+/// Each ray looks at every cap; where there are more, winding numbers are found otherwise.
+inline constexpr std::size_t most_caps_for_rays = 20'000;
 
-    std::vector<std::uint32_t> of_group; ///< none for cells that `caps` may touch
-    std::vector<CellKey> start;          ///< a cell of each region
-};
-
-/// Casts rays. What it refers to must outlive it. Thread safe.
+/// Casts rays. What it refers to must outlive it. Thread safe. In a part of an octree, leaves with a
+/// record and without triangles are what the part lacks: no ray passes them.
 class RegionRays {
 public:
     /// Three axes, each both ways.
@@ -62,10 +58,7 @@ public:
     [[nodiscard]] std::optional<End> cast(std::uint32_t region, int direction,
                                           Scratch& scratch) const;
 
-    [[nodiscard]] std::uint32_t region_count() const noexcept
-    {
-        return static_cast<std::uint32_t>(regions_.start.size());
-    }
+    [[nodiscard]] std::uint32_t region_count() const noexcept { return regions_.count(); }
 
 private:
     struct Ray;

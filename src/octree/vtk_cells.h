@@ -38,6 +38,12 @@ requires(sizeof(T) == 1 || sizeof(T) == 4) [[nodiscard]] CellData
                                        std::span<const CellData> data,
                                        const std::filesystem::path& path, Progress* progress);
 
+/// Leaves of an octree with their classes, depths and numbers of triangles, as export_vtu writes
+/// them. Errors and cost of write_leaf_voxels.
+[[nodiscard]] Status write_classified_leaves(const OctreeFrame& frame, int lattice_depth,
+                                             const std::vector<LeafBox>& leaves,
+                                             const std::filesystem::path& path, Progress* progress);
+
 /// Which cells of a tree are split, breadth first, children x fastest: a bit for every cell above
 /// the deepest level, 1 where it is split.
 class SplitCells {

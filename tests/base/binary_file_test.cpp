@@ -6,6 +6,7 @@
 #include <array>
 #include <cstdint>
 #include <cstring>
+#include <filesystem>
 #include <fstream>
 #include <gtest/gtest.h>
 #include <iterator>
@@ -73,6 +74,30 @@ protected:
     const std::vector<std::uint32_t> words = {1, 2, 3, 4, 5};
     const std::vector<double> numbers = std::vector<double>(20, 0.5);
 };
+
+TEST_F(BinaryFileTest, WriterInPiecesWritesTheSameBytes)
+{
+    const std::string expected = save();
+    const std::array sizes = {SectionSize{7, 4, 4 * words.size()}, SectionSize{2, 1, 0},
+                              SectionSize{9, 8, 8 * numbers.size()}};
+    std::vector<std::byte> bytes;
+    for (const auto part : {std::as_bytes(std::span(words)), std::as_bytes(std::span(numbers))}) {
+        bytes.insert(bytes.end(), part.begin(), part.end());
+    }
+    for (const std::size_t piece : {std::size_t{1}, std::size_t{7}, bytes.size()}) {
+        auto writer = BinaryFileWriter::create(path("pieces"), format, sizes);
+        ASSERT_TRUE(writer) << describe(writer.error());
+        for (std::size_t first = 0; first < bytes.size(); first += piece) {
+            const std::size_t end = std::min(bytes.size(), first + piece);
+            ASSERT_TRUE(writer->write(std::span(bytes).subspan(first, end - first)));
+            EXPECT_FALSE(std::filesystem::exists(path("pieces")));
+        }
+        ASSERT_TRUE(writer->commit());
+        std::ifstream file(path("pieces"), std::ios::binary);
+        EXPECT_EQ(std::string(std::istreambuf_iterator<char>(file), {}), expected);
+        std::filesystem::remove(path("pieces"));
+    }
+}
 
 TEST_F(BinaryFileTest, HoldsWhatWasWritten)
 {

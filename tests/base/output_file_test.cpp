@@ -44,6 +44,21 @@ TEST_F(OutputFileTest, KeepsTheOldContentUntilCommitted)
     EXPECT_EQ(entries(), 1);
 }
 
+TEST_F(OutputFileTest, OverwritesWhatWasWritten)
+{
+    const std::string head = "head";
+    auto file = OutputFile::create(path("a.txt"));
+    ASSERT_TRUE(file) << describe(file.error());
+    ASSERT_TRUE(file->write("....body"));
+    ASSERT_TRUE(file->overwrite(0, std::as_bytes(std::span(head))));
+    ASSERT_TRUE(file->write("foot"));
+    ASSERT_TRUE(file->commit());
+    EXPECT_EQ(content(path("a.txt")), "headbodyfoot");
+    auto direct = OutputFile::create("/dev/null");
+    ASSERT_TRUE(direct);
+    EXPECT_FALSE(direct->overwrite(0, std::as_bytes(std::span(head))));
+}
+
 TEST_F(OutputFileTest, KeepsTheOldContentWhenCancelled)
 {
     std::ofstream(path("a.txt")) << "old";

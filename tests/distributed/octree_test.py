@@ -1,6 +1,8 @@
 """proxima-mpi on 1 to 4 ranks: the octree is that of one process, and what cannot be done ends all ranks with one message."""
+import math
 import os
 import random
+import signal
 import struct
 import subprocess
 import tempfile
@@ -9,14 +11,22 @@ from pathlib import Path
 
 PROXIMA, PROGRAM, MPIRUN = (os.environ[name] for name in ("PROXIMA", "PROXIMA_MPI", "MPIRUN"))
 SECONDS = 200
+SURFACES = int(os.environ.get("SURFACES", "12"))
 
 
-def run(ranks, *arguments):
+def command(ranks, *arguments):
     root = ["--allow-run-as-root"] if os.geteuid() == 0 else []
     # Containers forbid the copies between processes that Open MPI would make by a system call.
     single_copy = ["--mca", "btl_vader_single_copy_mechanism", "none"]
-    return subprocess.run([MPIRUN, *root, *single_copy, "--oversubscribe", "-n", str(ranks), PROGRAM, *map(str, arguments)],
-                          capture_output=True, text=True, timeout=SECONDS)
+    return [MPIRUN, *root, *single_copy, "--oversubscribe", "-n", str(ranks), PROGRAM, *map(str, arguments)]
+
+
+def run(ranks, *arguments):
+    return subprocess.run(command(ranks, *arguments), capture_output=True, text=True, timeout=SECONDS)
+
+
+def messages(text):
+    return [line for line in text.splitlines() if line.startswith("proxima-mpi: ")]
 
 
 def ply(positions, triangles):
@@ -24,6 +34,14 @@ def ply(positions, triangles):
               f"property double z\nelement face {len(triangles)}\nproperty list uchar int vertex_indices\nend_header\n")
     return (header.encode() + b"".join(struct.pack("<3d", *at) for at in positions)
             + b"".join(struct.pack("<B3i", 3, *corners) for corners in triangles))
+
+
+def npy(rows, kind, letter, version=1):
+    """An array of N x 3 numbers as NumPy writes it: kind "<f8" and the like, with the letter that struct has for it."""
+    header = f"{{'descr': '{kind}', 'fortran_order': False, 'shape': ({len(rows)}, 3), }}"
+    header += " " * (-(len(header) + 9 + 2 * version) % 64) + "\n"
+    return (b"\x93NUMPY" + bytes([version, 0]) + struct.pack("<H" if version == 1 else "<I", len(header)) + header.encode()
+            + b"".join(struct.pack(f"<3{letter}", *row) for row in rows))
 
 
 def nasty_mesh(seed):
@@ -34,6 +52,71 @@ def nasty_mesh(seed):
     positions = [kinds[seed % 2]() for _ in range(chance.randrange(3, 200))]
     count = chance.randrange(1, 300)
     return positions, [[chance.randrange(len(positions)) for _ in range(3)] for _ in range(count)]
+
+
+def shell(chance, center, radius, rows):
+    """A closed surface of rings and two poles, each vertex a little off the sphere."""
+    positions = [[center[0], center[1], center[2] - radius], [center[0], center[1], center[2] + radius]]
+    for i in range(1, rows):
+        for j in range(rows):
+            polar, around = math.pi * i / rows, 2 * math.pi * j / rows
+            at = radius * chance.uniform(0.9, 1)
+            positions.append([center[0] + at * math.sin(polar) * math.cos(around), center[1] + at * math.sin(polar) * math.sin(around),
+                              center[2] - at * math.cos(polar)])
+    triangles = []
+    for j in range(rows):
+        following = (j + 1) % rows
+        triangles.append([0, 2 + following, 2 + j])
+        last = 2 + (rows - 2) * rows
+        triangles.append([1, last + j, last + following])
+        for i in range(rows - 2):
+            low, high = 2 + i * rows, 2 + (i + 1) * rows
+            triangles += [[low + j, low + following, high + following], [low + j, high + following, high + j]]
+    return positions, triangles
+
+
+def surfaces(seed):
+    """Shells within and across each other; odd seeds with holes, flips and repeats, others with welds undone."""
+    chance = random.Random(seed)
+    positions, triangles = [], []
+    for _ in range(chance.randrange(1, 5)):
+        some, corners = shell(chance, [chance.uniform(-1, 1) for _ in range(3)], chance.uniform(0.2, 2), chance.randrange(3, 9))
+        if chance.random() < 0.3:
+            corners = [[a, c, b] for a, b, c in corners]
+        triangles += [[corner + len(positions) for corner in three] for three in corners]
+        positions += some
+    if seed % 2:
+        for _ in range(chance.randrange(1, 12)):
+            at = chance.randrange(len(triangles))
+            kind = chance.randrange(4)
+            if kind < 2:
+                del triangles[at:at + chance.randrange(1, 4)]
+            elif kind == 2:
+                triangles.append(triangles[at])
+            else:
+                triangles[at] = triangles[at][::-1]
+            if not triangles:
+                return surfaces(seed + 1000)
+    if seed % 3 == 0:
+        positions, triangles = ([positions[corner] for three in triangles for corner in three],
+                                [[3 * i, 3 * i + 1, 3 * i + 2] for i in range(len(triangles))])
+    if seed % 4 < 2:
+        chance.shuffle(triangles)
+    positions.insert(0, list(positions[triangles[0][0]]))  # unused, and where another vertex is
+    return positions, [[corner + 1 for corner in three] for three in triangles]
+
+
+BOX = [[0, 4, 6], [0, 6, 2], [1, 3, 7], [1, 7, 5], [0, 1, 5], [0, 5, 4], [2, 6, 7], [2, 7, 3], [0, 2, 3], [0, 3, 1], [4, 5, 7], [4, 7, 6]]
+
+
+def ball_in_a_box(seed):
+    """Most triangles in one corner of a box, so that some ranks have none of the box's walls; from seed 1 on the ball has a hole."""
+    positions, triangles = shell(random.Random(seed), [0.1, 0.2, 0.3], 2, 40)
+    if seed > 0:
+        triangles = [three for three in triangles if min(positions[corner][seed - 1] for corner in three) < 1.5]
+    first = len(positions)
+    positions += [[(-3.1, 21)[corner >> axis & 1] for axis in range(3)] for corner in range(8)]
+    return positions, triangles + [[first + corner for corner in three] for three in BOX]
 
 
 class DistributedTest(unittest.TestCase):
@@ -47,13 +130,25 @@ class DistributedTest(unittest.TestCase):
         path.write_bytes(content)
         return path
 
+    def proxima(self, *arguments):
+        result = subprocess.run([PROXIMA, *map(str, arguments)], capture_output=True, text=True)
+        self.assertEqual(result.returncode, 0, result.stderr)
+        return result.stdout
+
+    @staticmethod
+    def figures(text):
+        """The two tables of an octree, without what differs from run to run."""
+        lines = [line.split() for line in text.splitlines()]
+        first = next(i for i, line in enumerate(lines) if line[:2] == ["Depth", "Threshold"])
+        return lines[first:first + 7]
+
 
 class Octree(DistributedTest):
     def expect_same(self, model, *options, ranks=(1, 2, 3, 4)):
         for count in ranks:
             result = run(count, "octree", model, *options, "--verify")
             self.assertEqual(result.returncode, 0, f"{model} on {count} ranks: {result.stderr}")
-            self.assertIn("Leaves and lists are those of one process.", result.stdout)
+            self.assertIn("Leaves, lists and classes are those of one process.", result.stdout)
         return result.stdout
 
     def test_torus(self):
@@ -74,6 +169,17 @@ class Octree(DistributedTest):
             path = self.file(f"nasty_{seed}.ply", ply(*nasty_mesh(seed)))
             self.expect_same(path, "--depth", 4 + seed % 2, "--threshold", seed, "--routing-depth", 1 + seed, ranks=(1 + seed % 4, 4))
 
+    def test_closed_and_open_surfaces(self):
+        for seed in range(SURFACES):
+            path = self.file(f"surfaces_{seed}.ply", ply(*surfaces(seed)))
+            self.expect_same(path, "--depth", 5 + seed % 3, "--threshold", seed % 3, "--routing-depth", 1 + seed % 6,
+                             ranks=(1 + seed % 4, 2 + (seed + 1) % 3))
+
+    def test_ranks_that_see_no_way_out(self):
+        for seed in range(4):
+            path = self.file(f"ball_{seed}.ply", ply(*ball_in_a_box(seed)))
+            self.expect_same(path, "--depth", 7, "--threshold", 20, "--routing-depth", 6, ranks=(4, 7))
+
     def test_statistics_are_those_of_the_program(self):
         options = ["--depth", 7, "--threshold", 8]
         one = subprocess.run([PROXIMA, "octree", "torus:200x100", *map(str, options)], capture_output=True, text=True, check=True).stdout
@@ -87,7 +193,7 @@ class Errors(DistributedTest):
         result = run(ranks, "octree", path)
         self.assertEqual(result.returncode, 1, result.stderr)
         self.assertEqual(result.stdout.count("triangles,"), 0)
-        lines = [line for line in result.stderr.splitlines() if line.startswith("proxima-mpi: ")]
+        lines = messages(result.stderr)
         self.assertEqual(len(lines), 1, result.stderr)
         for part in says:
             self.assertIn(part, lines[0])
@@ -120,6 +226,199 @@ class Errors(DistributedTest):
         for arguments in (["--depth", "19"], ["--routing-depth", "7"], ["--threshold", "-1"]):
             result = run(2, "octree", "torus:9x9", *arguments)
             self.assertEqual(result.returncode, 2, result.stderr)
+
+
+class Saving(DistributedTest):
+    """Files by proxima-mpi are those of proxima: checked by it against the mesh, and read back on other numbers of ranks."""
+
+    def expect_round_trip(self, model, *options):
+        one = self.folder / "one.pxo"
+        expected = self.figures(self.proxima("octree", model, *options, "--save", one))
+        for ranks in (1, 3):
+            file = self.folder / f"by_{ranks}.pxo"
+            result = run(ranks, "octree", model, *options, "--save", file)
+            self.assertEqual(result.returncode, 0, result.stderr)
+            self.assertEqual(self.figures(result.stdout), expected)
+            self.assertIn("every invariant holds against", self.proxima("check", file, "--mesh", model, "--strict"))
+            self.assertEqual(self.figures(self.proxima("octree", file)), expected)
+            self.assertEqual(file.stat().st_size, one.stat().st_size)
+        for ranks, file in ((2, self.folder / "by_3.pxo"), (4, self.folder / "by_1.pxo"), (3, one)):
+            again = self.folder / "again.pxo"
+            result = run(ranks, "octree", file, "--save", again, "--routing-depth", ranks)
+            self.assertEqual(result.returncode, 0, result.stderr)
+            self.assertEqual(self.figures(result.stdout), expected)
+            self.assertIn("every invariant holds against", self.proxima("check", again, "--mesh", model, "--strict"))
+
+    def test_files_of_other_numbers_of_ranks(self):
+        self.expect_round_trip("torus:100x60", "--depth", 6, "--threshold", 4)
+        self.expect_round_trip("torus:9x9", "--depth", 0)
+        self.expect_round_trip(self.file("surfaces.ply", ply(*surfaces(1))), "--depth", 6, "--threshold", 1)
+
+    def refuse(self, path, *says):
+        result = run(3, "octree", path)
+        self.assertEqual(result.returncode, 1, result.stderr)
+        self.assertEqual(len(messages(result.stderr)), 1, result.stderr)
+        for part in (path.name, *says):
+            self.assertIn(part, messages(result.stderr)[0])
+
+    def test_damaged_files(self):
+        good = self.folder / "good.pxo"
+        self.proxima("octree", "torus:40x20", "--depth", 5, "--save", good)
+        content = good.read_bytes()
+        for length in (0, 7, 39, 200, len(content) // 2, len(content) - 1):
+            self.refuse(self.file("cut.pxo", content[:length]))
+        chance = random.Random(5)
+        for _ in range(4):
+            bad = bytearray(content)
+            bad[chance.randrange(len(bad))] ^= 1 << chance.randrange(8)
+            self.refuse(self.file("flipped.pxo", bytes(bad)))
+        self.proxima("octree", "torus:40x20", "--depth", 3, "--uniform", "--save", good)
+        self.refuse(good, "uniform")
+
+    def test_a_full_disk_keeps_the_old_file(self):
+        file = self.file("old.pxo", b"old")
+        # Ranks that talk through files in memory would meet the limit before there is anything to save.
+        words = command(3, "octree", "torus:100x60", "--depth", 7, "--save", file)
+        words[words.index(PROGRAM):words.index(PROGRAM)] = ["--mca", "btl", "self,tcp", "bash", "-c", 'ulimit -f 100; exec "$@"', "-"]
+        result = subprocess.run(words, capture_output=True, text=True, timeout=SECONDS, env={**os.environ, "PMIX_MCA_gds": "hash"})
+        self.assertEqual(result.returncode, 1, result.stderr)
+        self.assertEqual(len(messages(result.stderr)), 1, result.stderr)
+        self.assertIn("cannot write this file", messages(result.stderr)[0])
+        self.assertEqual(file.read_bytes(), b"old")
+        self.assertEqual([path.name for path in self.folder.iterdir()], ["old.pxo"])
+
+    def test_what_cannot_be_written(self):
+        result = run(2, "octree", "torus:9x9", "--save", self.folder / "none" / "a.pxo")
+        self.assertEqual(result.returncode, 1, result.stderr)
+        self.assertIn("does not exist", messages(result.stderr)[0])
+        self.assertEqual(run(2, "octree", "torus:9x9", "--save", self.folder / "a.ply").returncode, 2)
+        self.proxima("octree", "torus:9x9", "--save", self.folder / "a.pxo")
+        self.assertEqual(run(2, "octree", self.folder / "a.pxo", "--depth", 3).returncode, 1)
+
+
+class Arrays(DistributedTest):
+    def test_arrays_are_read_as_the_mesh_that_they_are(self):
+        positions, triangles = ball_in_a_box(2)
+        positions = [[struct.unpack("<f", struct.pack("<f", number))[0] for number in at] for at in positions]
+        mesh = self.file("mesh.ply", ply(positions, triangles))
+        options = ["--depth", 6, "--threshold", 2]
+        expected = self.figures(self.proxima("octree", mesh, *options))
+        for ranks, vertex_kind, corner_kind in ((1, ("<f4", "f"), ("<i8", "q")), (3, ("<f8", "d", 2), ("<u4", "I")), (4, ("<f8", "d"), ("<i2", "h", 2))):
+            vertices = self.file("vertices.npy", npy(positions, *vertex_kind))
+            corners = self.file("triangles.npy", npy(triangles, *corner_kind))
+            saved = self.folder / "octree.pxo"
+            result = run(ranks, "octree", vertices, "--triangles", corners, *options, "--save", saved)
+            self.assertEqual(result.returncode, 0, result.stderr)
+            self.assertEqual(self.figures(result.stdout), expected)
+            self.assertIn("every invariant holds against", self.proxima("check", saved, "--mesh", mesh))
+
+    def refuse(self, vertices, triangles, *says):
+        result = run(3, "octree", self.file("vertices.npy", vertices), "--triangles", self.file("triangles.npy", triangles))
+        self.assertEqual(result.returncode, 1, result.stderr)
+        self.assertEqual(len(messages(result.stderr)), 1, result.stderr)
+        for part in says:
+            self.assertIn(part, messages(result.stderr)[0])
+
+    def test_arrays_that_are_no_mesh(self):
+        positions, triangles = shell(random.Random(1), [0, 0, 0], 1, 5)
+        vertices, corners = npy(positions, "<f8", "d"), npy(triangles, "<i4", "i")
+        self.refuse(vertices[:-1], corners, "vertices.npy", "cut off")
+        self.refuse(vertices, corners[:-1], "triangles.npy", "cut off")
+        self.refuse(vertices[:60], corners, "vertices.npy")
+        self.refuse(b"", corners)
+        self.refuse(corners, corners, "vertices.npy", "real numbers")
+        self.refuse(vertices, vertices, "triangles.npy", "whole numbers")
+        self.refuse(vertices, npy([], "<i4", "i"), "no triangles")
+        self.refuse(vertices, npy([[0, 1, -1]], "<i8", "q"), "uses vertex -1")
+        self.refuse(vertices, npy([[0, 1, len(positions)]], "<u8", "Q"), f"uses vertex {len(positions)}")
+        self.refuse(vertices.replace(b"False", b"True "), corners, "C order")
+        self.refuse(npy(positions, ">f8", "d"), corners, "little-endian")
+
+
+class Exporting(DistributedTest):
+    READER = Path(__file__).parent.parent / "octree" / "read_exported_leaves.py"
+
+    def leaves(self, path):
+        result = subprocess.run(["/usr/bin/python3", self.READER, path], capture_output=True, text=True)
+        if result.returncode == 77:
+            self.skipTest(result.stdout)
+        self.assertEqual(result.returncode, 0, result.stderr)
+        return result.stdout
+
+    def test_paraview_has_the_leaves_of_one_process(self):
+        options = ["--depth", 6, "--threshold", 2]
+        for model in ("torus:30x20", self.file("ball & box.ply", ply(*ball_in_a_box(1)))):
+            one = self.folder / "one.vtu"
+            self.proxima("octree", model, *options, "--out", one)
+            expected = self.leaves(one)
+            for ranks in (1, 3):
+                path = self.folder / f"a & <b> {ranks}.pvtu"
+                result = run(ranks, "octree", model, *options, "--out", path)
+                self.assertEqual(result.returncode, 0, result.stderr)
+                self.assertEqual(path.read_text().count("<Piece"), ranks)
+                self.assertEqual(self.leaves(path), expected)
+
+    def test_ranks_without_leaves_have_no_piece(self):
+        path = self.folder / "leaves.pvtu"
+        self.assertEqual(run(4, "octree", "torus:9x9", "--depth", 0, "--out", path).returncode, 0)
+        self.assertEqual(path.read_text().count("<Piece"), 1)
+        self.assertEqual(self.leaves(path).count("\n"), 2)
+
+    def test_an_export_that_fails_leaves_none(self):
+        path = self.folder / "leaves.pvtu"
+        self.assertEqual(run(3, "octree", "torus:30x20", "--out", path).returncode, 0)
+        (self.folder / "leaves_1.vtu").unlink()
+        (self.folder / "leaves_1.vtu").mkdir()
+        result = run(3, "octree", "torus:40x20", "--out", path)
+        self.assertEqual(result.returncode, 1, result.stderr)
+        self.assertEqual(len(messages(result.stderr)), 1, result.stderr)
+        self.assertIn("leaves_1.vtu: cannot write this file", result.stderr)
+        self.assertFalse(path.exists())
+
+
+class Stopping(DistributedTest):
+    def start(self):
+        """A run that takes a while, once it is under way."""
+        process = subprocess.Popen(command(2, "--progress", "octree", "torus:1500x1000", "--depth", 11), text=True,
+                                   stdout=subprocess.PIPE, stderr=subprocess.PIPE)
+        self.addCleanup(process.kill)
+        self.assertIn("proxima: ", process.stderr.readline())
+        return process
+
+    @staticmethod
+    def ranks(process):
+        """The process numbers of the ranks."""
+        below = Path(f"/proc/{process.pid}/task/{process.pid}/children").read_text().split()
+        return [int(number) for number in below if Path(f"/proc/{number}/comm").read_text().strip() == Path(PROGRAM).name[:15]]
+
+    def expect_stopped(self, errors):
+        self.assertEqual(len(messages(errors)), 1, errors)
+        self.assertTrue(messages(errors)[0].endswith("was stopped on request"), errors)
+
+    def test_interrupt_as_a_terminal_sends_it(self):
+        process = self.start()
+        process.send_signal(signal.SIGINT)
+        out, errors = process.communicate(timeout=SECONDS)
+        self.assertNotEqual(process.returncode, 0)
+        if messages(errors):  # mpirun kills ranks that take more than a second to end
+            self.expect_stopped(errors)
+        self.assertEqual(out.count("triangles,"), 0)
+
+    def test_interrupt_of_one_rank_stops_all(self):
+        process = self.start()
+        os.kill(self.ranks(process)[1], signal.SIGINT)
+        out, errors = process.communicate(timeout=SECONDS)
+        self.assertEqual(process.returncode, 128 + signal.SIGINT)
+        self.expect_stopped(errors)
+        self.assertEqual(out.count("triangles,"), 0)
+
+    def test_a_killed_rank_ends_the_run(self):
+        process = self.start()
+        os.kill(self.ranks(process)[1], signal.SIGKILL)
+        out, errors = process.communicate(timeout=SECONDS)
+        self.assertEqual(process.returncode, 128 + signal.SIGKILL)
+        self.assertIn("signal 9", errors)
+        self.assertEqual(out.count("triangles,"), 0)
 
 
 if __name__ == "__main__":

@@ -38,8 +38,8 @@ def cell_data_names(data):
     return "list_length", "blocks", "depth"
 
 
-def read_vtu(path):
-    vtk, grid, arrays = vtk_output(path, "vtkXMLUnstructuredGridReader")
+def read_vtu(path, reader_name="vtkXMLUnstructuredGridReader"):
+    vtk, grid, arrays = vtk_output(path, reader_name)
     for cell in range(grid.GetNumberOfCells()):
         b = grid.GetCell(cell).GetBounds()
         points = grid.GetCell(cell).GetPoints()
@@ -48,6 +48,10 @@ def read_vtu(path):
             assert points.GetPoint(corner) == tuple(b[2 * k + (corner >> k & 1)] for k in range(3))
         yield leaf_line((b[0], b[2], b[4], b[1], b[3], b[5]),
                         *(array.GetValue(cell) for array in arrays.values()))
+
+
+def read_pvtu(path):
+    return read_vtu(path, "vtkXMLPUnstructuredGridReader")
 
 
 def read_htg(path):
@@ -168,7 +172,7 @@ def read_glb(path):
             yield leaf_line(box, 2, -1, -1)
 
 
-READERS = {"htg": read_htg, "vtu": read_vtu, "ply": read_ply, "glb": read_glb}
+READERS = {"htg": read_htg, "vtu": read_vtu, "pvtu": read_pvtu, "ply": read_ply, "glb": read_glb}
 for name in sys.argv[1:]:
     print("file")
     for line in sorted(READERS[name.rsplit(".", 1)[1]](name)):
