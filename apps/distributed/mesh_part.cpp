@@ -30,12 +30,12 @@ struct SentTriangle {
     std::array<std::uint32_t, 3> edges = {};   ///< among its edges, or no_edge
 };
 
-struct Messages {
+struct PartMessages {
     std::vector<std::vector<SentTriangle>> triangles;
     std::vector<std::vector<SentVertex>> vertices;
     std::vector<std::vector<WholeFeature>> edges;
 
-    explicit Messages(std::size_t ranks) : triangles(ranks), vertices(ranks), edges(ranks) {}
+    explicit PartMessages(std::size_t ranks) : triangles(ranks), vertices(ranks), edges(ranks) {}
 };
 
 /// The cell of that depth that has the middle of a triangle's box, by its Morton index.
@@ -96,10 +96,10 @@ private:
 };
 
 /// Sorts the slice's triangles by the rank that owns their cells. Throws std::bad_alloc.
-Messages pack(const MeshSlice& slice, const SliceFeatures& features, const std::vector<int>& owners,
-              std::size_t ranks)
+PartMessages pack(const MeshSlice& slice, const SliceFeatures& features,
+                  const std::vector<int>& owners, std::size_t ranks)
 {
-    Messages messages(ranks);
+    PartMessages messages(ranks);
     std::vector<std::vector<std::uint32_t>> ids(ranks);
     for (std::uint32_t t = 0; t < owners.size(); ++t)
         ids[static_cast<std::size_t>(owners[t])].push_back(t);
@@ -131,7 +131,7 @@ struct ReceivedPart {
     Received<WholeFeature> edges;
 };
 
-Result<ReceivedPart> send(Messages messages, World& world)
+Result<ReceivedPart> send(PartMessages messages, World& world)
 {
     auto triangles = world.exchange(std::move(messages.triangles));
     if (!triangles) return tl::unexpected(triangles.error());
@@ -242,7 +242,7 @@ Result<ReceivedPart> share_triangles(MeshSlice slice, const SliceFeatures& featu
         counts, static_cast<std::uint32_t>(std::clamp<std::uint64_t>(threshold, 1, 1U << 30U)),
         world);
     if (!status) return tl::unexpected(status.error());
-    Messages messages(0);
+    PartMessages messages(0);
     status = world.agree_on([&]() -> Status {
         std::vector<int> owners(cells.size());
         for (std::size_t t = 0; t < cells.size(); ++t) owners[t] = forest.owner(cells[t], depth);
