@@ -8,7 +8,7 @@
 
 namespace proxima {
 
-Result<Box> whole_box(const MeshSlice& slice, const World& world)
+Result<Box> whole_box(const MeshSlice& slice, World& world)
 {
     constexpr double infinity = std::numeric_limits<double>::infinity();
     std::array<double, 6> ends; // lower corner, and the upper one negated

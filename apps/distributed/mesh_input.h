@@ -15,7 +15,7 @@ namespace proxima {
 
 /// The box of the whole mesh. Error invalid_mesh where a coordinate is NaN, infinite or too large
 /// for exact arithmetic. Collective.
-[[nodiscard]] Result<Box> whole_box(const MeshSlice& slice, const World& world);
+[[nodiscard]] Result<Box> whole_box(const MeshSlice& slice, World& world);
 
 /// All of the model, on one process, for comparisons.
 [[nodiscard]] Result<TriangleMesh> whole_mesh(const std::string& model);

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <charconv>
+#include <limits>
 
 namespace proxima {
 
@@ -82,9 +83,38 @@ Result<MeshSlice> make_torus_slice(const TorusSize& size, World& world)
     return slice;
 }
 
+namespace {
+
+/// The range of numbers that corners use, where a mark for each of them costs less than a sort.
+std::optional<Share> dense_range(const std::vector<WholeCorners>& triangles)
+{
+    Share range{std::numeric_limits<std::uint64_t>::max(), 0};
+    for (const WholeCorners& corners : triangles) {
+        for (const std::uint64_t corner : corners) {
+            range.first = std::min(range.first, corner);
+            range.end = std::max(range.end, corner + 1);
+        }
+    }
+    if (triangles.empty() || range.end - range.first > 4 * triangles.size()) return std::nullopt;
+    return range;
+}
+
+} // namespace
+
 std::vector<std::uint64_t> used_vertices(const std::vector<WholeCorners>& triangles)
 {
     std::vector<std::uint64_t> used;
+    if (const auto range = dense_range(triangles)) {
+        std::vector<bool> is_used(range->end - range->first);
+        for (const WholeCorners& corners : triangles) {
+            for (const std::uint64_t corner : corners) is_used[corner - range->first] = true;
+        }
+        for (std::uint64_t i = 0; i < is_used.size(); ++i) {
+            if (is_used[i]) used.push_back(range->first + i);
+        }
+        used.shrink_to_fit();
+        return used;
+    }
     used.reserve(3 * triangles.size());
     for (const WholeCorners& corners : triangles) {
         used.insert(used.end(), corners.begin(), corners.end());
@@ -98,14 +128,23 @@ std::vector<std::uint64_t> used_vertices(const std::vector<WholeCorners>& triang
 Status assemble(const std::vector<WholeCorners>& triangles, std::vector<Vec3> positions,
                 MeshSlice& slice)
 {
+    std::vector<std::uint32_t> numbers; // of a dense range of vertices
+    const auto range = dense_range(triangles);
+    if (range) {
+        numbers.resize(range->end - range->first);
+        for (std::uint32_t i = 0; i < slice.vertices.size(); ++i) {
+            numbers[slice.vertices[i] - range->first] = i;
+        }
+    }
+    const auto number_of = [&](std::uint64_t vertex) {
+        if (range) return numbers[vertex - range->first];
+        const auto at = std::ranges::lower_bound(slice.vertices, vertex);
+        return static_cast<std::uint32_t>(at - slice.vertices.begin());
+    };
     std::vector<TriangleCorners> local;
     local.reserve(triangles.size());
     for (const WholeCorners& corners : triangles) {
-        TriangleCorners& own = local.emplace_back();
-        for (std::size_t k = 0; k < 3; ++k) {
-            const auto at = std::ranges::lower_bound(slice.vertices, corners[k]);
-            own[k] = static_cast<std::uint32_t>(at - slice.vertices.begin());
-        }
+        local.push_back({number_of(corners[0]), number_of(corners[1]), number_of(corners[2])});
     }
     auto mesh = make_triangle_mesh(std::move(positions), std::move(local));
     if (!mesh) return tl::unexpected(mesh.error());

@@ -47,7 +47,7 @@ OctreeStatistics whole_statistics(const Octree& octree, const std::vector<Cell>&
     constexpr std::uint64_t none = std::numeric_limits<std::uint64_t>::max();
     whole.min_triangles =
         static_cast<std::uint32_t>(world.min(own.occupied_leaves == 0 ? none : own.min_triangles));
-    whole.max_triangles = static_cast<std::uint32_t>(world.max(own.max_triangles));
+    whole.max_triangles = static_cast<std::uint32_t>(world.max(std::uint64_t{own.max_triangles}));
     whole.depth_reached =
         static_cast<int>(world.max(static_cast<std::uint64_t>(own.depth_reached)));
     whole.bytes = sizeof(OctreeNode) * ((whole.leaves - 1) / 7 + whole.occupied_leaves) +
@@ -141,13 +141,16 @@ Result<OctreePart> octree_of(const OctreeRunOptions& options, World& world, std:
     if (!box) return tl::unexpected(box.error());
     const std::uint64_t whole_triangles = slice->whole_triangles;
     const double loaded = MPI_Wtime();
+    const double work_before = world.work_seconds();
     auto part = build_part(std::move(*slice), tight_root(*box, RootShape::cube), options, world);
     if (!part) return part;
     part->whole_triangles = whole_triangles;
     MPI_Barrier(MPI_COMM_WORLD);
-    line = fmt::format("{}: {} triangles, {} ranks, read in {:.3f} s, built in {:.3f} s",
-                       options.model, whole_triangles, world.size(), loaded - start,
-                       MPI_Wtime() - loaded);
+    line =
+        fmt::format("{}: {} triangles, {} ranks, read in {:.3f} s, built in {:.3f} s, the busiest "
+                    "rank's work {:.3f} s",
+                    options.model, whole_triangles, world.size(), loaded - start,
+                    MPI_Wtime() - loaded, world.max(world.work_seconds() - work_before));
     return part;
 }
 

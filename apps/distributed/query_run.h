@@ -75,14 +75,12 @@ private:
     Status write(RowOutput& output, const MeshPart& part, std::uint64_t first,
                  const std::vector<Answer>& answers)
     {
-        return output.write(
-            [&](AnswerFormat format) {
-                fmt::memory_buffer text;
-                for (std::size_t i = 0; i < answers.size(); ++i)
-                    Query::append(part, first + i, answers[i], format, text);
-                return text;
-            },
-            world_);
+        return output.write([&](AnswerFormat format) {
+            fmt::memory_buffer text;
+            for (std::size_t i = 0; i < answers.size(); ++i)
+                Query::append(part, first + i, answers[i], format, text);
+            return text;
+        });
     }
 
     Status open_oracle()

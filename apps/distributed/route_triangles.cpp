@@ -1,8 +1,12 @@
 #include "distributed/route_triangles.h"
 
+#include "base/progress.h"
+#include "base/radix_sort.h"
 #include "octree/coarse_bins.h"
 
 #include <algorithm>
+#include <bit>
+#include <limits>
 
 namespace proxima {
 
@@ -56,15 +60,28 @@ void merge(const CoarseBins& bins, std::uint64_t cell, int depth, std::vector<st
     ids.erase(std::unique(ids.begin(), ids.end()), ids.end());
 }
 
-std::vector<std::vector<CellCount>> count_cells(const CoarseBins& bins)
+constexpr std::uint32_t none = std::numeric_limits<std::uint32_t>::max();
+
+/// How many triangles touch the cells of each depth. Cells follow in Morton order, so that a triangle
+/// was counted for a cell before iff it was counted for that one last.
+std::vector<std::vector<CellCount>> count_cells(const CoarseBins& bins, std::size_t triangles)
 {
     std::vector<std::vector<CellCount>> counts;
-    std::vector<std::uint32_t> ids;
+    std::vector<std::uint32_t> last_cell;
     for (int depth = 0; depth <= bins.depth; ++depth) {
+        const int shift = 3 * (bins.depth - depth);
+        last_cell.assign(triangles, none);
         auto& at_depth = counts.emplace_back();
-        for (std::uint64_t cell = 0; cell < std::uint64_t{1} << (3 * depth); ++cell) {
-            merge(bins, cell, depth, ids);
-            if (!ids.empty()) at_depth.push_back({cell, ids.size()});
+        for (std::size_t bin = 0; bin < bins.cell_count(); ++bin) {
+            const auto cell = static_cast<std::uint32_t>(bin >> shift);
+            std::uint64_t count = 0;
+            for (const std::uint32_t id : bins.triangles(bin)) {
+                count += last_cell[id] != cell ? 1 : 0;
+                last_cell[id] = cell;
+            }
+            if (count == 0) continue;
+            if (at_depth.empty() || at_depth.back().cell != cell) at_depth.push_back({cell, 0});
+            at_depth.back().triangles += count;
         }
     }
     return counts;
@@ -75,51 +92,70 @@ struct Messages {
     std::vector<std::vector<Position>> vertices;
 };
 
-/// The triangles of one rank, with the vertices that they use.
-void pack(const MeshSlice& slice, const std::vector<std::uint32_t>& ids,
-          std::vector<bool>& is_packed, std::vector<RoutedTriangle>& triangles,
-          std::vector<Position>& vertices)
-{
-    std::vector<std::uint32_t> used;
-    for (const std::uint32_t id : ids) {
-        const TriangleCorners& corners = slice.mesh.triangles()[id];
-        used.insert(used.end(), corners.begin(), corners.end());
-    }
-    std::ranges::sort(used);
-    used.erase(std::unique(used.begin(), used.end()), used.end());
-    for (const std::uint32_t vertex : used) {
-        const Vec3& at = slice.mesh.positions()[vertex];
-        vertices.push_back({at[0], at[1], at[2]});
-    }
-    for (const std::uint32_t id : ids) {
-        RoutedTriangle& triangle = triangles.emplace_back();
-        triangle.id = slice.first_triangle + id;
-        triangle.is_counted = is_packed[id] ? 0 : 1;
-        is_packed[id] = true;
-        for (std::size_t k = 0; k < 3; ++k) {
-            const auto at = std::ranges::lower_bound(used, slice.mesh.triangles()[id][k]);
-            triangle.corners[k] = static_cast<std::uint32_t>(at - used.begin());
+/// Packs triangles of one slice for one rank after the other, with the vertices that they use.
+class Packer {
+public:
+    explicit Packer(const MeshSlice& slice)
+        : slice_(slice), is_packed_(slice.mesh.triangle_count()),
+          number_(slice.mesh.vertex_count(), none)
+    {}
+
+    void pack(const std::vector<std::uint32_t>& ids, std::vector<RoutedTriangle>& triangles,
+              std::vector<Position>& vertices)
+    {
+        triangles.reserve(ids.size());
+        std::vector<std::uint32_t> used;
+        for (const std::uint32_t id : ids) {
+            RoutedTriangle& triangle = triangles.emplace_back();
+            triangle.id = slice_.first_triangle + id;
+            triangle.is_counted = is_packed_[id] ? 0 : 1;
+            is_packed_[id] = true;
+            for (std::size_t k = 0; k < 3; ++k) {
+                const std::uint32_t vertex = slice_.mesh.triangles()[id][k];
+                if (number_[vertex] == none) {
+                    number_[vertex] = static_cast<std::uint32_t>(used.size());
+                    used.push_back(vertex);
+                }
+                triangle.corners[k] = number_[vertex];
+            }
+        }
+        vertices.reserve(used.size());
+        for (const std::uint32_t vertex : used) {
+            const Vec3& at = slice_.mesh.positions()[vertex];
+            vertices.push_back({at[0], at[1], at[2]});
+            number_[vertex] = none;
         }
     }
-}
 
-Messages pack_all(const MeshSlice& slice, const CoarseBins& bins, const RoutedForest& forest,
-                  std::size_t ranks)
+private:
+    const MeshSlice& slice_;
+    std::vector<bool> is_packed_;       ///< for an earlier rank
+    std::vector<std::uint32_t> number_; ///< of each vertex in the rank's message
+};
+
+Result<Messages> pack_all(const MeshSlice& slice, const CoarseBins& bins,
+                          const RoutedForest& forest, std::size_t ranks, Progress* progress)
 {
+    // Owners of cells in Morton order ascend, so that a triangle's last one tells repeats.
     std::vector<std::vector<std::uint32_t>> ids(ranks);
+    std::vector<std::uint32_t> last_owner(slice.mesh.triangle_count(), none);
     for (std::size_t cell = 0; cell < bins.cell_count(); ++cell) {
         if (bins.count(cell) == 0) continue;
-        auto& to = ids[static_cast<std::size_t>(forest.owner(cell, bins.depth))];
-        const auto here = bins.triangles(cell);
-        to.insert(to.end(), here.begin(), here.end());
+        const auto owner = static_cast<std::uint32_t>(forest.owner(cell, bins.depth));
+        for (const std::uint32_t id : bins.triangles(cell)) {
+            if (last_owner[id] != owner) ids[owner].push_back(id);
+            last_owner[id] = owner;
+        }
     }
     Messages messages{std::vector<std::vector<RoutedTriangle>>(ranks),
                       std::vector<std::vector<Position>>(ranks)};
-    std::vector<bool> is_packed(slice.mesh.triangle_count());
+    Packer packer(slice);
+    StageSteps steps(progress, "packing", bins.ids.size());
+    const auto bits = static_cast<unsigned>(std::bit_width(slice.mesh.triangle_count()));
     for (std::size_t r = 0; r < ranks; ++r) {
-        std::ranges::sort(ids[r]);
-        ids[r].erase(std::unique(ids[r].begin(), ids[r].end()), ids[r].end());
-        pack(slice, ids[r], is_packed, messages.triangles[r], messages.vertices[r]);
+        const auto key_of = [](std::uint32_t id) { return std::uint64_t{id}; };
+        if (!radix_sort(ids[r], bits, key_of, steps)) return cancelled("routing triangles");
+        packer.pack(ids[r], messages.triangles[r], messages.vertices[r]);
         std::vector<std::uint32_t>().swap(ids[r]);
     }
     return messages;
@@ -178,7 +214,7 @@ Result<RoutedPart> route_triangles(MeshSlice slice, const OctreeFrame& frame,
     Status status = world.agree_on([&]() -> Status {
         bins = bins_of(slice.mesh, frame, routing_depth, &world.progress());
         if (is_cancelled(&world.progress())) return cancelled("routing triangles");
-        counts = count_cells(bins);
+        counts = count_cells(bins, slice.mesh.triangle_count());
         return {};
     });
     if (!status) return tl::unexpected(status.error());
@@ -188,7 +224,10 @@ Result<RoutedPart> route_triangles(MeshSlice slice, const OctreeFrame& frame,
 
     Messages messages;
     status = world.agree_on([&]() -> Status {
-        messages = pack_all(slice, bins, *forest, static_cast<std::size_t>(world.size()));
+        auto packed = pack_all(slice, bins, *forest, static_cast<std::size_t>(world.size()),
+                               &world.progress());
+        if (!packed) return tl::unexpected(packed.error());
+        messages = std::move(*packed);
         slice = MeshSlice{};
         bins = CoarseBins{};
         return {};

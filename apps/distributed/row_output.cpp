@@ -10,7 +10,7 @@ constexpr const char* to_stdout = "-";
 
 } // namespace
 
-Result<RowOutput> RowOutput::open(const std::string& path, const World& world)
+Result<RowOutput> RowOutput::open(const std::string& path, World& world)
 {
     const auto format = answer_format(path);
     if (!format) return tl::unexpected(format.error());

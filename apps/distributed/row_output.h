@@ -14,7 +14,7 @@ namespace proxima {
 class RowOutput {
 public:
     /// "-" is stdout. Errors: those of answer_format, file_not_writable. Collective.
-    [[nodiscard]] static Result<RowOutput> open(const std::string& path, const World& world);
+    [[nodiscard]] static Result<RowOutput> open(const std::string& path, World& world);
 
     /// make(format) returns the text before all rows. Collective.
     template <class Make>
@@ -25,30 +25,32 @@ public:
 
     /// make(format) returns the text of this rank's rows: those of rank 0 come first. Collective.
     template <class Make>
-    [[nodiscard]] Status write(const Make& make, World& world)
+    [[nodiscard]] Status write(const Make& make)
     {
         std::vector<char> own;
-        const Status status = world.agree_on([&]() -> Status {
+        const Status status = world_->agree_on([&]() -> Status {
             const fmt::memory_buffer text = make(format_);
             own.assign(text.begin(), text.end());
             return {};
         });
         if (!status) return status;
-        const auto rows = world.collect(std::move(own));
+        const auto rows = world_->collect(std::move(own));
         if (!rows) return tl::unexpected(rows.error());
-        return world.agree_on([&] { return write_text({rows->items.data(), rows->items.size()}); });
+        return world_->agree_on([&] {
+            return write_text({rows->items.data(), rows->items.size()});
+        });
     }
 
     /// The file appears. Collective.
     [[nodiscard]] Status commit();
 
 private:
-    RowOutput(const World& world, AnswerFormat format) : world_(&world), format_(format) {}
+    RowOutput(World& world, AnswerFormat format) : world_(&world), format_(format) {}
 
     [[nodiscard]] bool is_writer() const noexcept { return world_->rank() == 0; }
     [[nodiscard]] Status write_text(std::string_view text);
 
-    const World* world_;
+    World* world_;
     AnswerFormat format_;
     std::optional<OutputFile> file_; ///< on rank 0; none for stdout
 };

@@ -17,7 +17,7 @@ constexpr std::uint64_t rows_per_rank = std::uint64_t{1} << 17U;
 
 Result<TableBlocks> TableBlocks::open(const TableSource& source, const TableForm& form,
                                       Status (*check_row)(const NumberTable&, std::size_t),
-                                      const World& world)
+                                      World& world)
 {
     TableBlocks blocks;
     blocks.check_row_ = check_row;

@@ -46,7 +46,7 @@ public:
     /// Collective.
     [[nodiscard]] static Result<TableBlocks>
     open(const TableSource& source, const TableForm& form,
-         Status (*check_row)(const NumberTable& table, std::size_t row), const World& world);
+         Status (*check_row)(const NumberTable& table, std::size_t row), World& world);
 
     /// Of the whole table.
     [[nodiscard]] std::uint64_t rows() const noexcept { return rows_; }

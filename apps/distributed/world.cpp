@@ -1,5 +1,6 @@
 #include "distributed/world.h"
 
+#include <ctime>
 #include <fstream>
 #include <string>
 
@@ -71,6 +72,12 @@ std::uint64_t World::sum(std::uint64_t value) const
     return value;
 }
 
+double World::max(double value) const
+{
+    MPI_Allreduce(MPI_IN_PLACE, &value, 1, MPI_DOUBLE, MPI_MAX, MPI_COMM_WORLD);
+    return value;
+}
+
 std::uint64_t World::max(std::uint64_t value) const
 {
     MPI_Allreduce(MPI_IN_PLACE, &value, 1, MPI_UINT64_T, MPI_MAX, MPI_COMM_WORLD);
@@ -95,6 +102,13 @@ std::vector<std::uint64_t> World::gather(std::uint64_t value) const
     std::vector<std::uint64_t> values(rank_ == 0 ? static_cast<std::size_t>(size_) : 0);
     MPI_Gather(&value, 1, MPI_UINT64_T, values.data(), 1, MPI_UINT64_T, 0, MPI_COMM_WORLD);
     return values;
+}
+
+double World::processor_seconds() noexcept
+{
+    timespec now{};
+    clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
+    return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
 }
 
 tl::unexpected<Error> World::too_many()

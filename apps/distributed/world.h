@@ -37,6 +37,9 @@ public:
     /// This rank's work; not collective. What cancels it on one rank stops all at the next agreement.
     [[nodiscard]] Progress& progress() noexcept { return progress_; }
 
+    /// Processor time of this rank's work in agree_on(), without messages and waiting. Not collective.
+    [[nodiscard]] double work_seconds() const noexcept { return work_seconds_; }
+
     /// Bytes that this rank sent to others, but for messages of a few numbers. Not collective.
     [[nodiscard]] std::uint64_t sent_bytes() const noexcept { return sent_bytes_; }
 
@@ -46,9 +49,10 @@ public:
     /// Calls make(), which returns a Status and takes no part in messages; memory that runs out is
     /// an error like others.
     template <class Make>
-    [[nodiscard]] Status agree_on(const Make& make) const
+    [[nodiscard]] Status agree_on(const Make& make)
     {
         Status status;
+        const double start = processor_seconds();
         try {
             status = make();
         } catch (const std::bad_alloc&) {
@@ -57,6 +61,7 @@ public:
                                  ": use more machines, or fewer ranks on each"));
         }
         if (status && progress_.cancelled()) status = cancelled("the work");
+        work_seconds_ += processor_seconds() - start;
         return agree(status);
     }
 
@@ -120,6 +125,7 @@ public:
     static void receive(int rank, std::span<std::byte> bytes);
 
     [[nodiscard]] std::uint64_t sum(std::uint64_t value) const;
+    [[nodiscard]] double max(double value) const;
     [[nodiscard]] std::uint64_t max(std::uint64_t value) const;
     [[nodiscard]] std::uint64_t min(std::uint64_t value) const;
     /// The sum over the ranks below this one.
@@ -175,12 +181,16 @@ private:
         return received;
     }
 
+    /// Of the calling thread so far.
+    [[nodiscard]] static double processor_seconds() noexcept;
+
     static constexpr std::size_t most_items = std::numeric_limits<int>::max();
     [[nodiscard]] static tl::unexpected<Error> too_many();
 
     int rank_ = 0;
     int size_ = 1;
     std::uint64_t sent_bytes_ = 0;
+    double work_seconds_ = 0;
     Progress progress_;
 };
 

@@ -19,6 +19,11 @@ constexpr std::uint32_t byte_order_mark = 0x01020304;
 constexpr std::uint32_t swapped_byte_order_mark = 0x04030201;
 constexpr std::uint32_t max_sections = 256;
 
+} // namespace
+
+/// What stands before the sections.
+namespace binary_file {
+
 struct Header {
     std::array<char, 8> magic{};
     std::uint32_t byte_order = byte_order_mark;
@@ -38,6 +43,20 @@ struct TableEntry {
     std::uint64_t checksum = 0;
 };
 static_assert(sizeof(TableEntry) == 32);
+
+/// Where the sections of a file lie; checksums come later.
+struct Head {
+    Header header;
+    std::vector<TableEntry> table;
+};
+
+} // namespace binary_file
+
+namespace {
+
+using binary_file::Head;
+using binary_file::Header;
+using binary_file::TableEntry;
 
 std::uint64_t aligned(std::uint64_t offset) noexcept
 {
@@ -87,22 +106,16 @@ bool all_zero(std::span<const std::byte> bytes) noexcept
     return true;
 }
 
-/// Where the sections of a file lie; without checksums.
-struct Head {
-    Header header;
-    std::vector<TableEntry> table;
-
-    /// Sets the header's checksum; the bytes that the file begins with.
-    [[nodiscard]] std::vector<std::byte> sealed_bytes()
-    {
-        const auto entries = std::as_bytes(std::span(table));
-        header.checksum = head_checksum(header, entries);
-        const auto start = std::as_bytes(std::span(&header, 1));
-        std::vector<std::byte> bytes(start.begin(), start.end());
-        bytes.insert(bytes.end(), entries.begin(), entries.end());
-        return bytes;
-    }
-};
+/// Sets the header's checksum; the bytes that the file begins with.
+std::vector<std::byte> sealed_bytes(Head& head)
+{
+    const auto entries = std::as_bytes(std::span(head.table));
+    head.header.checksum = head_checksum(head.header, entries);
+    const auto start = std::as_bytes(std::span(&head.header, 1));
+    std::vector<std::byte> bytes(start.begin(), start.end());
+    bytes.insert(bytes.end(), entries.begin(), entries.end());
+    return bytes;
+}
 
 Result<Head> head_of(const std::filesystem::path& path, const FileFormat& format,
                      std::span<const SectionSize> sections)
@@ -152,7 +165,7 @@ Status write_binary_file(const std::filesystem::path& path, const FileFormat& fo
     }
     auto file = OutputFile::create(path, {progress, head->header.file_bytes});
     if (!file) return tl::unexpected<Error>(file.error());
-    const std::vector<std::byte> start = head->sealed_bytes();
+    const std::vector<std::byte> start = sealed_bytes(*head);
     if (auto status = file->write(start); !status) return status;
     std::uint64_t written = start.size();
     for (std::size_t i = 0; i < sections.size(); ++i) {
@@ -165,7 +178,7 @@ Status write_binary_file(const std::filesystem::path& path, const FileFormat& fo
 
 struct BinaryFileWriter::State {
     OutputFile file;
-    Head head;
+    binary_file::Head head;
     std::uint64_t written = 0; ///< bytes of the file
     std::size_t section = 0;   ///< to which the next byte belongs
     std::uint64_t left = 0;    ///< bytes of that section to come
@@ -175,7 +188,7 @@ struct BinaryFileWriter::State {
     Status begin_section()
     {
         for (; section < head.table.size(); ++section) {
-            TableEntry& entry = head.table[section];
+            binary_file::TableEntry& entry = head.table[section];
             const Status status = write_gap(file, written, entry.offset);
             if (!status) return status;
             XXH3_64bits_reset(&checksum);
@@ -235,7 +248,7 @@ Status BinaryFileWriter::commit()
     State& state = *state_;
     if (auto status = state.file.write(std::string_view()); !status) return status;
     PROXIMA_CHECK(state.section == state.head.table.size());
-    if (auto status = state.file.overwrite(0, state.head.sealed_bytes()); !status) return status;
+    if (auto status = state.file.overwrite(0, sealed_bytes(state.head)); !status) return status;
     return state.file.commit();
 }
 

@@ -6,6 +6,7 @@ import subprocess
 import unittest
 
 from octree_test import PROXIMA, DistributedTest, nasty_mesh, ply, run
+from octree_test import npy as mesh_npy
 
 SEED = int(os.environ.get("SEED", random.randrange(1 << 30)))
 print("seed", SEED, flush=True)
@@ -278,6 +279,18 @@ class Tables(QueryTest):
         subprocess.run([PROXIMA, "closest", "torus:9x9", "--points", self.folder / "c.npy", "--out", one], check=True, capture_output=True)
         for out in written:
             self.assertTrue(out.read_bytes() == one.read_bytes(), out)
+
+    def test_meshes_as_arrays(self):
+        chance = random.Random(SEED)
+        positions, triangles = nasty_mesh(SEED)
+        points = self.file("points.csv", rows(nasty_points(chance, positions, triangles, 300), "x,y,z"))
+        whole = self.file("mesh.ply", ply(positions, triangles))
+        arrays = [self.file("vertices.npy", mesh_npy(positions, "<f8", "d")), "--triangles", self.file("triangles.npy", mesh_npy(triangles, "<i4", "i"))]
+        answers = [run(ranks, "closest", *mesh, "--points", points) for ranks, mesh in ((1, [whole]), (3, arrays))]
+        self.assertEqual(answers[0].returncode, 0, answers[0].stderr)
+        self.assertEqual(answers[0].stdout, answers[1].stdout, f"seed {SEED}: {answers[1].stderr}")
+        result = run(2, "closest", *arrays, "--points", points, "--verify")
+        self.assertIn("--verify is for meshes that one process reads", result.stderr)
 
     def test_bad_rows_of_later_blocks(self):
         table = [[0.0, 0.0, 0.0, 1.0, 0.0, 0.0] for _ in range(300000)]
