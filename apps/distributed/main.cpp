@@ -32,6 +32,7 @@ int run(int argc, char** argv, World& world)
     CLI::App app("Octrees of triangle meshes, and queries, over several processes");
     app.set_version_flag("--version", "proxima-mpi " PROXIMA_VERSION);
     app.require_subcommand(1);
+    app.fallthrough(); // of the subcommands below
     bool shows_progress = false;
     app.add_flag("--progress", shows_progress, "Show the first process's progress on stderr");
     std::map<std::string, RunCommand> commands;
@@ -39,7 +40,6 @@ int run(int argc, char** argv, World& world)
         RunCommand command = add_command(app);
         commands[app.get_subcommands({}).back()->get_name()] = std::move(command);
     }
-    app.fallthrough();
     try {
         app.parse(argc, argv);
     } catch (const CLI::ParseError& error) {
