@@ -2,10 +2,10 @@
 
 #include "base/file_extension.h"
 #include "cli/npy_header.h"
+#include "cli/row_text.h"
 
 #include <array>
 #include <cmath>
-#include <fmt/format.h>
 #include <iterator>
 
 namespace proxima {
@@ -15,45 +15,33 @@ namespace {
 constexpr std::uint64_t columns_without_signs = 8;
 constexpr std::uint64_t columns_of_signs = 2;
 
-void append_csv(fmt::memory_buffer& text, std::uint64_t index, const ClosestFeature& answer)
+void append_csv(fmt::memory_buffer& text, const AnswerRow& row)
 {
-    fmt::format_to(std::back_inserter(text), "{},{:.17g},{:.17g},{:.17g},{:.17g},{},{},{}", index,
-                   std::sqrt(answer.squared_distance), answer.point.x(), answer.point.y(),
-                   answer.point.z(), static_cast<std::uint32_t>(answer.triangle),
-                   kind_name(answer.feature.kind), answer.feature.id);
+    fmt::format_to(std::back_inserter(text), "{},{:.17g},{:.17g},{:.17g},{:.17g},{},{},{}",
+                   row.index, row.distance, row.point.x(), row.point.y(), row.point.z(),
+                   row.triangle, kind_name(row.kind), row.feature);
+    if (row.sign) {
+        fmt::format_to(std::back_inserter(text), ",{:.17g},{}", row.sign->distance,
+                       name_of(row.sign->method));
+    }
+    text.push_back('\n');
 }
 
-void append_csv(fmt::memory_buffer& text, const SignedDistance& sign)
+void append_npy(fmt::memory_buffer& bytes, const AnswerRow& row)
 {
-    fmt::format_to(std::back_inserter(text), ",{:.17g},{}", sign.distance, name_of(sign.method));
-}
-
-void append_numbers(fmt::memory_buffer& bytes, std::span<const double> numbers)
-{
-    const auto raw = std::as_bytes(numbers);
-    bytes.append(reinterpret_cast<const char*>(raw.data()),
-                 reinterpret_cast<const char*>(raw.data()) + raw.size());
-}
-
-void append_npy(fmt::memory_buffer& bytes, std::uint64_t index, const ClosestFeature& answer)
-{
-    const std::array<double, columns_without_signs> row = {
-        static_cast<double>(index),
-        std::sqrt(answer.squared_distance),
-        answer.point.x(),
-        answer.point.y(),
-        answer.point.z(),
-        static_cast<double>(static_cast<std::uint32_t>(answer.triangle)),
-        static_cast<double>(answer.feature.kind),
-        static_cast<double>(answer.feature.id)};
-    append_numbers(bytes, row);
-}
-
-void append_npy(fmt::memory_buffer& bytes, const SignedDistance& sign)
-{
-    const std::array<double, columns_of_signs> row = {sign.distance,
-                                                      static_cast<double>(sign.method)};
-    append_numbers(bytes, row);
+    const std::array<double, columns_without_signs> answer = {static_cast<double>(row.index),
+                                                              row.distance,
+                                                              row.point.x(),
+                                                              row.point.y(),
+                                                              row.point.z(),
+                                                              static_cast<double>(row.triangle),
+                                                              static_cast<double>(row.kind),
+                                                              static_cast<double>(row.feature)};
+    append_row(bytes, AnswerFormat::npy, answer);
+    if (!row.sign) return;
+    const std::array<double, columns_of_signs> sign = {row.sign->distance,
+                                                       static_cast<double>(row.sign->method)};
+    append_row(bytes, AnswerFormat::npy, sign);
 }
 
 } // namespace
@@ -82,16 +70,23 @@ std::string answer_rows(AnswerFormat format, std::uint64_t first,
 {
     fmt::memory_buffer text;
     for (std::size_t i = 0; i < answers.size(); ++i) {
-        if (format == AnswerFormat::npy) {
-            append_npy(text, first + i, answers[i]);
-            if (!signs.empty()) append_npy(text, signs[i]);
-        } else {
-            append_csv(text, first + i, answers[i]);
-            if (!signs.empty()) append_csv(text, signs[i]);
-            text.push_back('\n');
-        }
+        const ClosestFeature& answer = answers[i];
+        AnswerRow row{first + i,           std::sqrt(answer.squared_distance),
+                      answer.point,        to_index(answer.triangle),
+                      answer.feature.kind, answer.feature.id};
+        if (!signs.empty()) row.sign = {signs[i].distance, signs[i].method};
+        append_answer(text, format, row);
     }
     return fmt::to_string(text);
+}
+
+void append_answer(fmt::memory_buffer& text, AnswerFormat format, const AnswerRow& row)
+{
+    if (format == AnswerFormat::npy) {
+        append_npy(text, row);
+    } else {
+        append_csv(text, row);
+    }
 }
 
 std::string_view kind_name(FeatureKind kind) noexcept

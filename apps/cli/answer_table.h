@@ -12,6 +12,8 @@
 #include "proxima/signed_distance.h"
 
 #include <cstdint>
+#include <fmt/format.h>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -29,7 +31,26 @@ enum class AnswerSigns : std::uint8_t { absent, present };
 /// The header line, or the header of .npy for `rows` answers.
 [[nodiscard]] std::string answer_header(AnswerFormat format, AnswerSigns signs, std::uint64_t rows);
 
-/// The rows of answers that begin with number `first`. Numbers of CSV have 17 significant digits.
+/// One row. Its ids may have 64 bits; .npy holds them exactly up to 2^53.
+struct AnswerRow {
+    std::uint64_t index = 0;
+    double distance = 0;
+    Vec3 point = Vec3::Zero();
+    std::uint64_t triangle = 0;
+    FeatureKind kind = FeatureKind::vertex;
+    std::uint64_t feature = 0;
+
+    struct Sign {
+        double distance = 0;
+        SignMethod method = SignMethod::on_surface;
+    };
+    std::optional<Sign> sign = {};
+};
+
+/// Numbers of CSV have 17 significant digits.
+void append_answer(fmt::memory_buffer& text, AnswerFormat format, const AnswerRow& row);
+
+/// The rows of answers that begin with number `first`.
 /// \pre as many signs as answers, or none
 [[nodiscard]] std::string answer_rows(AnswerFormat format, std::uint64_t first,
                                       std::span<const ClosestFeature> answers,

@@ -62,10 +62,9 @@ Status reserve_numbers(std::vector<double>& values, std::uint64_t count, const s
     return {};
 }
 
-Result<NumberTable> read_number_table(const std::string& path, const TableForm& form,
-                                      const NumberTableOptions& options)
+Result<TableStart> open_table(const std::string& path, Progress* progress)
 {
-    auto input = InputBytes::open(path, options.execution.progress);
+    auto input = InputBytes::open(path, progress);
     if (!input) return tl::unexpected(input.error());
     std::string start(max_npy_header, '\0');
     const auto count = input->read(start.data(), start.size());
@@ -75,10 +74,23 @@ Result<NumberTable> read_number_table(const std::string& path, const TableForm& 
         return fail(ErrorCode::malformed_file, "the file is empty: write or copy it again",
                     input->name());
     }
-    if (is_npy(start) || lower_case_extension(path) == ".npy")
-        return read_npy_table(*input, std::move(start), form, options.execution.budget);
-    return read_text_table(*input, std::move(start), form, FirstLine::may_be_header,
-                           options.execution.budget);
+    const bool is_array = is_npy(start) || lower_case_extension(path) == ".npy";
+    return TableStart{std::move(*input), std::move(start), is_array};
+}
+
+Result<NumberTable> read_number_table(const std::string& path, const TableForm& form,
+                                      const NumberTableOptions& options)
+{
+    auto opened = open_table(path, options.execution.progress);
+    if (!opened) return tl::unexpected(opened.error());
+    return read_table(std::move(*opened), form, options.execution.budget);
+}
+
+Result<NumberTable> read_table(TableStart opened, const TableForm& form, MemoryBudget budget)
+{
+    if (opened.is_array) return read_npy_table(opened.input, std::move(opened.start), form, budget);
+    return read_text_table(opened.input, std::move(opened.start), form, FirstLine::may_be_header,
+                           budget);
 }
 
 Result<NumberTable> parse_number_rows(std::span<const std::string> rows, const TableForm& form,

@@ -1,34 +1,20 @@
 #include "cli/ray_sources.h"
 
 #include "cli/number_table.h"
-
-#include <array>
-#include <string_view>
+#include "cli/ray_rows.h"
 
 namespace proxima {
 
 namespace {
-
-constexpr std::array<std::string_view, 2> ray_layouts = {"ox,oy,oz,dx,dy,dz",
-                                                         "ox,oy,oz,dx,dy,dz,tmin,tmax"};
-constexpr TableForm ray_form = {ray_layouts, "tmin,tmax"};
 
 Result<std::vector<Ray>> rays_of(const Result<NumberTable>& table)
 {
     if (!table) return tl::unexpected(table.error());
     std::vector<Ray> rays(table->rows());
     for (std::size_t i = 0; i < rays.size(); ++i) {
-        const std::span<const double> row = table->row(i);
-        rays[i].origin = {row[0], row[1], row[2]};
-        rays[i].direction = {row[3], row[4], row[5]};
-        if (row.size() == 8) {
-            rays[i].t_min = row[6];
-            rays[i].t_max = row[7];
-        }
-        if (is_valid(rays[i])) continue;
-        return fail(ErrorCode::invalid_argument,
-                    "this is no ray: its direction is zero, or tmin above tmax",
-                    table->place_of(i));
+        if (Status status = check_ray_row(*table, i); !status)
+            return tl::unexpected(status.error());
+        rays[i] = ray_of_row(table->row(i));
     }
     return rays;
 }

@@ -36,6 +36,20 @@ inline constexpr std::size_t table_piece = std::size_t{1} << 20U;
 [[nodiscard]] Status reserve_numbers(std::vector<double>& values, std::uint64_t count,
                                      const std::string& name, MemoryBudget budget);
 
+/// A table whose first bytes were read.
+struct TableStart {
+    InputBytes input;
+    std::string start;
+    bool is_array = false; ///< of NumPy, else text
+};
+
+/// Errors: file_not_found, malformed_file (it is empty).
+[[nodiscard]] Result<TableStart> open_table(const std::string& path, Progress* progress);
+
+/// Errors as read_number_table.
+[[nodiscard]] Result<NumberTable> read_table(TableStart opened, const TableForm& form,
+                                             MemoryBudget budget);
+
 enum class FirstLine : std::uint8_t { may_be_header, is_row };
 
 /// `start` is what was read already. Errors as read_number_table.

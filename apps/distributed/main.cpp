@@ -1,8 +1,10 @@
-// proxima-mpi: octrees of meshes that are spread over the processes of a run. Run it by mpirun.
+// proxima-mpi: octrees of meshes that are spread over the processes of a run, and queries. Run it by
+// mpirun.
 // This program links p4est, which is under the GPL.
 #include "cli/interrupt.h"
 #include "cli/progress_bar.h"
 #include "distributed/octree_command.h"
+#include "distributed/query_command.h"
 
 #include <CLI/CLI.hpp>
 #include <cstdio>
@@ -25,10 +27,12 @@ using AddCommand = RunCommand (*)(CLI::App& app);
 /// ranks. Only rank 0 prints.
 int run(int argc, char** argv, World& world)
 {
-    constexpr AddCommand add_commands[] = {add_octree_command};
-    CLI::App app("Octrees of triangle meshes over several processes");
+    constexpr AddCommand add_commands[] = {add_octree_command, add_closest_command,
+                                           add_rays_command, add_sign_command};
+    CLI::App app("Octrees of triangle meshes, and queries, over several processes");
     app.set_version_flag("--version", "proxima-mpi " PROXIMA_VERSION);
     app.require_subcommand(1);
+    app.fallthrough(); // of the subcommands below
     bool shows_progress = false;
     app.add_flag("--progress", shows_progress, "Show the first process's progress on stderr");
     std::map<std::string, RunCommand> commands;
@@ -36,7 +40,6 @@ int run(int argc, char** argv, World& world)
         RunCommand command = add_command(app);
         commands[app.get_subcommands({}).back()->get_name()] = std::move(command);
     }
-    app.fallthrough();
     try {
         app.parse(argc, argv);
     } catch (const CLI::ParseError& error) {

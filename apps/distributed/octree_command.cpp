@@ -5,6 +5,7 @@
 #include "distributed/classify_part.h"
 #include "distributed/export_part.h"
 #include "distributed/load_part.h"
+#include "distributed/mesh_input.h"
 #include "distributed/save_part.h"
 #include "distributed/verify_octree.h"
 #include "distributed/whole_caps.h"
@@ -16,7 +17,6 @@
 #include <cmath>
 #include <cstdio>
 #include <fmt/core.h>
-#include <fstream>
 #include <limits>
 #include <memory>
 
@@ -24,54 +24,9 @@ namespace proxima {
 
 namespace {
 
-/// The box of the whole mesh. Collective.
-Result<Box> whole_box(const MeshSlice& slice, World& world)
-{
-    constexpr double infinity = std::numeric_limits<double>::infinity();
-    std::array<double, 6> ends; // lower corner, and the upper one negated
-    ends.fill(infinity);
-    const Status status = world.agree_on([&]() -> Status {
-        for (std::size_t i = 0; i < slice.mesh.vertex_count(); ++i) {
-            const Vec3& at = slice.mesh.positions()[i];
-            if (!at.allFinite()) {
-                return fail(ErrorCode::invalid_mesh,
-                            concat("vertex ", slice.vertices[i],
-                                   " has a NaN or infinite coordinate: repair the mesh"));
-            }
-            for (std::size_t axis = 0; axis < 3; ++axis) {
-                const double value = at[static_cast<Eigen::Index>(axis)];
-                ends[axis] = std::min(ends[axis], value);
-                ends[3 + axis] = std::min(ends[3 + axis], -value);
-            }
-        }
-        return {};
-    });
-    if (!status) return tl::unexpected(status.error());
-    MPI_Allreduce(MPI_IN_PLACE, ends.data(), 6, MPI_DOUBLE, MPI_MIN, MPI_COMM_WORLD);
-    if (*std::ranges::min_element(ends) < -1e100) {
-        return fail(ErrorCode::invalid_mesh,
-                    "coordinates beyond 1e100 would overflow exact arithmetic: scale the mesh");
-    }
-    Box box;
-    box.lower = {ends[0], ends[1], ends[2]};
-    box.upper = {-ends[3], -ends[4], -ends[5]};
-    return box;
-}
-
 bool is_octree_file(const std::string& model) noexcept
 {
     return model.ends_with(".pxo");
-}
-
-Result<MeshSlice> load_slice(const std::string& model, const std::string& triangles, World& world)
-{
-    if (!triangles.empty()) return read_npy_slice(model, triangles, world);
-    if (const auto size = torus_size(model)) return make_torus_slice(*size, world);
-    if (model.ends_with(".ply")) return read_ply_slice(model, world);
-    return fail(ErrorCode::unsupported_format,
-                "proxima-mpi takes binary little-endian .ply files, torus:NxM, and .npy files of "
-                "vertices with --triangles",
-                model);
 }
 
 /// Figures of the whole octree, as octree_statistics has them of one. Collective.
@@ -101,17 +56,6 @@ OctreeStatistics whole_statistics(const Octree& octree, const std::vector<Cell>&
     for (const std::uint64_t part : world.gather(counter.sum_of_squares)) sum_of_squares += part;
     set_list_figures(sum_of_squares, whole);
     return whole;
-}
-
-/// The most memory that this process had so far, in 10^6 bytes; 0 where the system does not say.
-std::uint64_t peak_megabytes()
-{
-    std::ifstream status("/proc/self/status");
-    for (std::string word; status >> word;) {
-        std::uint64_t kilobytes = 0;
-        if (word == "VmHWM:" && status >> kilobytes) return kilobytes * 1024 / 1'000'000;
-    }
-    return 0;
 }
 
 /// What each rank has. Collective.

@@ -1,7 +1,6 @@
 #include "distributed/verify_octree.h"
 
-#include "proxima/mesh_io.h"
-#include "proxima/sample_meshes.h"
+#include "distributed/mesh_input.h"
 
 #include <algorithm>
 
@@ -30,12 +29,6 @@ struct LeafList {
         return Flow::proceed;
     }
 };
-
-Result<TriangleMesh> whole_mesh(const std::string& model)
-{
-    if (is_sample_mesh_name(model)) return sample_mesh(model);
-    return read_mesh(model, {.weld = Weld::never});
-}
 
 Status compare(const OctreeRunOptions& options, const OctreeParameters& parameters,
                const LeafList& found, Progress& progress)

@@ -1,6 +1,7 @@
 #include "distributed/world.h"
 
 #include <ctime>
+#include <fstream>
 #include <string>
 
 namespace proxima {
@@ -114,6 +115,16 @@ tl::unexpected<Error> World::too_many()
 {
     return fail(ErrorCode::limit_exceeded,
                 "a rank would send or receive more than 2^31 items at once: use more ranks");
+}
+
+std::uint64_t peak_megabytes()
+{
+    std::ifstream status("/proc/self/status");
+    for (std::string word; status >> word;) {
+        std::uint64_t kilobytes = 0;
+        if (word == "VmHWM:" && status >> kilobytes) return kilobytes * 1024 / 1'000'000;
+    }
+    return 0;
 }
 
 } // namespace proxima

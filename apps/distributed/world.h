@@ -73,6 +73,26 @@ public:
         return exchange_items<T>(outgoing);
     }
 
+    /// Sends answers[i] back to where received.items[i] came from: there answers have the order of
+    /// the items that were sent. Takes the answers.
+    template <class T, class Answer>
+    [[nodiscard]] Result<Received<Answer>> reply(const Received<T>& received,
+                                                 std::vector<Answer>&& answers)
+    {
+        std::vector<std::vector<Answer>> outgoing(static_cast<std::size_t>(size_));
+        const Status status = agree_on([&]() -> Status {
+            for (std::size_t r = 0; r < outgoing.size(); ++r) {
+                const auto from = answers.begin();
+                outgoing[r].assign(from + static_cast<std::ptrdiff_t>(received.first[r]),
+                                   from + static_cast<std::ptrdiff_t>(received.first[r + 1]));
+            }
+            std::vector<Answer>().swap(answers);
+            return {};
+        });
+        if (!status) return tl::unexpected(status.error());
+        return exchange(std::move(outgoing));
+    }
+
     /// The items of all ranks, on all ranks.
     template <class T>
     [[nodiscard]] Result<Received<T>> all_gather(const std::vector<T>& items)
@@ -173,5 +193,8 @@ private:
     double work_seconds_ = 0;
     Progress progress_;
 };
+
+/// The most memory that this process had so far, in 10^6 bytes; 0 where the system does not say.
+[[nodiscard]] std::uint64_t peak_megabytes();
 
 } // namespace proxima

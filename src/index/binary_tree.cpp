@@ -106,12 +106,11 @@ void unite(const FloatBox& a, const FloatBox& b, FloatBox& both) noexcept
 // The steps of build_binary_tree, in the order of their calls there.
 class BinaryTreeBuilder {
 public:
-    BinaryTreeBuilder(const TriangleMesh& mesh, const Box& box, const OctreeFrame& root,
+    BinaryTreeBuilder(const TriangleMesh& mesh, const IndexFrame& frame, const OctreeFrame& root,
                       Threads threads, Progress* progress)
         : mesh_(mesh), root_(root), threads_(threads), progress_(progress)
     {
-        tree_.has_floats = has_floats(mesh);
-        tree_.frame = index_frame(box, tree_.has_floats);
+        tree_.frame = frame;
     }
 
     bool sort_triangles()
@@ -307,10 +306,10 @@ private:
 
 } // namespace
 
-Result<BinaryTree> build_binary_tree(const TriangleMesh& mesh, const Box& box,
+Result<BinaryTree> build_binary_tree(const TriangleMesh& mesh, const IndexFrame& frame,
                                      const OctreeFrame& root, Threads threads, Progress* progress)
 {
-    BinaryTreeBuilder builder(mesh, box, root, threads, progress);
+    BinaryTreeBuilder builder(mesh, frame, root, threads, progress);
     if (!builder.sort_triangles() || !builder.make_nodes())
         return cancelled("building the mesh index");
     return builder.result();

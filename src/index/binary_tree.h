@@ -58,7 +58,6 @@ struct BinaryNode {
 
 struct BinaryTree {
     IndexFrame frame;
-    bool has_floats = false; ///< all the mesh's coordinates are
     std::vector<TriangleId> order;
     GrowBuffer<FloatBox> boxes;   ///< of the order's triangles
     GrowBuffer<BinaryNode> nodes; ///< parents before children, left before right; root first
@@ -118,9 +117,9 @@ struct BinaryTree {
 };
 
 /// Error cancelled. The same for any number of threads. O(triangles log triangles).
-/// \pre the mesh has triangles, `box` is its box, `root` contains it
-[[nodiscard]] Result<BinaryTree> build_binary_tree(const TriangleMesh& mesh, const Box& box,
-                                                   const OctreeFrame& root, Threads threads,
-                                                   Progress* progress);
+/// \pre the mesh has triangles and lies in `root`, `frame` is that of a box that contains it
+[[nodiscard]] Result<BinaryTree> build_binary_tree(const TriangleMesh& mesh,
+                                                   const IndexFrame& frame, const OctreeFrame& root,
+                                                   Threads threads, Progress* progress);
 
 } // namespace proxima

@@ -6,6 +6,7 @@
 #include "base/text.h"
 #include "index/binary_tree.h"
 #include "index/block_boxes.h"
+#include "index/build_part_index.h"
 #include "index/index_parts.h"
 #include "index/index_storage.h"
 #include "proxima/function_ref.h"
@@ -311,33 +312,62 @@ private:
     IndexStorage storage_;
 };
 
-Result<MeshIndex> build_mesh_index(const TriangleMesh& mesh, const MeshIndexOptions& options)
+namespace {
+
+/// What makes an index besides its mesh. Without edges, they are numbered.
+struct IndexPlan {
+    Box box; ///< of the mesh
+    IndexFrame frame;
+    const EdgeNumbers* edges = nullptr;
+};
+
+Status check_limits(const TriangleMesh& mesh, const MeshIndexOptions& options)
 {
-    const Result<Box> box = checked_bounding_box(mesh);
-    if (!box) return tl::unexpected(box.error());
     if (mesh.triangle_count() > max_index_triangles) {
         return fail(ErrorCode::limit_exceeded,
                     concat("a mesh index has at most ", max_index_triangles,
                            " triangles, this mesh has ", mesh.triangle_count()));
     }
     const std::uint64_t needed = mesh.triangle_count() * (scratch_bytes + index_bytes);
-    if (auto status =
-            check_budget(options.execution.budget, needed, "the mesh index", "raise the budget");
-        !status)
-        return tl::unexpected(status.error());
+    return check_budget(options.execution.budget, needed, "the mesh index", "raise the budget");
+}
+
+Result<MeshIndex> build_index(const TriangleMesh& mesh, const IndexPlan& plan,
+                              const MeshIndexOptions& options)
+{
+    if (Status status = check_limits(mesh, options); !status) return tl::unexpected(status.error());
     const PageReserve reserve;
-    auto tree = build_binary_tree(mesh, *box, tight_root(*box, RootShape::cube),
-                                  options.execution.threads, options.execution.progress);
+    Progress* const progress = options.execution.progress;
+    auto tree = build_binary_tree(mesh, plan.frame, tight_root(plan.box, RootShape::cube),
+                                  options.execution.threads, progress);
     if (!tree) return tl::unexpected(tree.error());
     MeshIndexWriter writer(mesh, std::move(*tree));
-    begin_stage(options.execution.progress, "writing mesh index", 2 * mesh.triangle_count());
-    std::optional<Result<EdgeNumbers>> edges;
-    const auto number = [&] { edges = number_edges(mesh, options.execution.progress); };
-    if (!writer.write_blocks(options.execution.threads, options.execution.progress, number) ||
-        !edges->has_value())
+    begin_stage(progress, "writing mesh index", 2 * mesh.triangle_count());
+    Result<EdgeNumbers> numbered;
+    const auto number = [&] {
+        if (plan.edges == nullptr) numbered = number_edges(mesh, progress);
+    };
+    if (!writer.write_blocks(options.execution.threads, progress, number) || !numbered)
         return cancelled("building the mesh index");
-    writer.write_rows(**edges, options.execution.threads);
+    writer.write_rows(plan.edges != nullptr ? *plan.edges : *numbered, options.execution.threads);
     return writer.result();
+}
+
+} // namespace
+
+Result<MeshIndex> build_mesh_index(const TriangleMesh& mesh, const MeshIndexOptions& options)
+{
+    const Result<Box> box = checked_bounding_box(mesh);
+    if (!box) return tl::unexpected(box.error());
+    return build_index(mesh, {*box, index_frame(*box, has_floats(mesh))}, options);
+}
+
+Result<MeshIndex> build_part_index(const TriangleMesh& part, const IndexFrame& frame,
+                                   const EdgeNumbers& edges, const MeshIndexOptions& options)
+{
+    const Result<Box> box = checked_bounding_box(part);
+    if (!box) return tl::unexpected(box.error());
+    return build_index(part, {*box, frame, &edges}, options);
 }
 
 } // namespace proxima

@@ -10,6 +10,7 @@
 #include "index/signs/sign_parts.h"
 #include "proxima/mesh_index.h"
 #include "query/batch_size.h"
+#include "query/closest/on_feature.h"
 #include "query/closest/winding_side.h"
 
 #include <algorithm>
@@ -58,7 +59,7 @@ public:
     [[nodiscard]] SignedDistance answer() const noexcept
     {
         SignedDistance result{distance_, SignMethod::on_surface, closest_};
-        if (is_on_feature()) {
+        if (is_on_feature(rows_[row_], closest_.feature, distance_, p_)) {
             result.distance = 0;
             return result;
         }
@@ -86,19 +87,6 @@ private:
         return orient3d(face[0], face[1], face[2], p_);
     }
 
-    struct EdgeEnds {
-        Vec3 low; ///< of the lower vertex id
-        Vec3 high;
-    };
-    [[nodiscard]] EdgeEnds edge_ends() const noexcept
-    {
-        const TriangleRow<Scalar>& row = rows_[row_];
-        const std::size_t side = side_of(row, closest_.feature.id);
-        const Vec3 from = row.corner(static_cast<int>(side));
-        const Vec3 to = row.corner(side == 2 ? 0 : static_cast<int>(side) + 1);
-        return row.backward(side) ? EdgeEnds{to, from} : EdgeEnds{from, to};
-    }
-
     /// Calls visit(row) for the proper triangles of the closest edge, by ascending id.
     template <class Visit>
     void visit_edge(const Visit& visit) const noexcept
@@ -115,22 +103,6 @@ private:
             visit(row);
     }
 
-    /// Whether p is on the closest feature: as computed or exactly, though the closest point as
-    /// computed may be beside it.
-    [[nodiscard]] bool is_on_feature() const noexcept
-    {
-        if (distance_ == 0) return true;
-        constexpr double rounding = 0x1p-44;
-        double size = p_.cwiseAbs().maxCoeff();
-        for (const Vec3& corner : triangle(row_).vertices)
-            size = std::max(size, corner.cwiseAbs().maxCoeff());
-        if (distance_ > rounding * size) return false;
-        if (closest_.feature.kind == FeatureKind::face) return side_of_face() == 0;
-        if (closest_.feature.kind == FeatureKind::vertex) return false;
-        const EdgeEnds ends = edge_ends();
-        return are_parallel({ends.low, p_}, {ends.low, ends.high});
-    }
-
     // Whether p is inside, told by a feature whose triangles separate; nothing in doubt.
 
     [[nodiscard]] std::optional<bool> is_behind_face() const noexcept
@@ -144,7 +116,7 @@ private:
         Vec3 normal = Vec3::Zero();
         visit_edge([&](std::uint32_t row) { normal += unit_normal_of(triangle(row)); });
         // The normal is across the edge, so any of its points will do: the nearer end rounds less.
-        const EdgeEnds ends = edge_ends();
+        const EdgeEnds ends = edge_ends(rows_[row_], closest_.feature.id);
         const Vec3 from_low = p_ - ends.low;
         const Vec3 from_high = p_ - ends.high;
         const Vec3& from = from_low.squaredNorm() < from_high.squaredNorm() ? from_low : from_high;

@@ -1,0 +1,339 @@
+"""proxima-mpi closest, rays and sign on 1 to 4 ranks: the answers are those of one process, and bad input ends all with one message."""
+import os
+import random
+import struct
+import subprocess
+import unittest
+
+from octree_test import PROXIMA, DistributedTest, nasty_mesh, ply, run
+from octree_test import npy as mesh_npy
+
+SEED = int(os.environ.get("SEED", random.randrange(1 << 30)))
+print("seed", SEED, flush=True)
+
+
+def rows(table, columns):
+    return (columns + "\n" + "".join(",".join(map(repr, row)) + "\n" for row in table)).encode()
+
+
+def npy(table, order="C"):
+    header = f"{{'descr': '<f8', 'fortran_order': {order == 'F'}, 'shape': ({len(table)}, {len(table[0])}), }}"
+    header += " " * (-(11 + len(header)) % 64) + "\n"
+    numbers = [x for row in (zip(*table) if order == "F" else table) for x in row]
+    return b"\x93NUMPY\x01\x00" + struct.pack("<H", len(header)) + header.encode() + struct.pack(f"<{len(numbers)}d", *numbers)
+
+
+def middle(*corners):
+    return [sum(axis) / len(corners) for axis in zip(*corners)]
+
+
+def nasty_points(chance, positions, triangles, count):
+    """Points on vertices, on middles of edges and faces, near them, far away, and between two vertices: many are as near to several features."""
+    def of_triangle():
+        return [positions[corner] for corner in chance.choice(triangles)]
+
+    def between():
+        return middle(chance.choice(positions), chance.choice(positions))
+
+    kinds = [lambda: list(chance.choice(of_triangle())), lambda: middle(*of_triangle()[:2]), lambda: middle(*of_triangle()), between,
+             lambda: [x + chance.gauss(0, 0.1) for x in middle(*of_triangle())], lambda: [x * 10.0 ** chance.randrange(1, 80) for x in between()],
+             lambda: [float(chance.randrange(-2, 11)) for _ in range(3)]]
+    return [[float(x) for x in chance.choice(kinds)()] for _ in range(count)]
+
+
+def copies(positions, triangles, shift):
+    """Two of a mesh: every feature of the first has one of the second at its place."""
+    count = len(positions)
+    second = [[x + shift for x in at] for at in positions]
+    return positions + second, triangles + [[corner + count for corner in corners] for corners in triangles]
+
+
+class QueryTest(DistributedTest):
+    def sample(self, name):
+        """A built-in mesh, as a file: with positions that are no floats."""
+        path = self.folder / f"{name.replace(':', '_')}.ply"
+        if not path.exists():
+            subprocess.run([PROXIMA, "repair", name, "--out", path], check=True, capture_output=True)
+        return path
+
+    def verify(self, command, model, table, *options, ranks=(1, 2, 3, 4)):
+        """Runs with --verify on so many ranks: all write the same bytes."""
+        written = set()
+        for count in ranks:
+            out = self.folder / "out.csv"
+            option = {"closest": "--points", "sign": "--points", "rays": "--rays"}[command]
+            result = run(count, command, model, option, table, "--out", out, "--verify", *options)
+            self.assertEqual(result.returncode, 0, f"{model} on {count} ranks, seed {SEED}: {result.stderr}")
+            self.assertIn("Answers are those of one process.", result.stdout)
+            written.add(out.read_bytes())
+        self.assertEqual(len(written), 1)
+        return written.pop().decode()
+
+
+class Closest(QueryTest):
+    def expect_same(self, name, positions, triangles, points, **options):
+        model = self.file(f"{name}.ply", ply(positions, triangles))
+        return self.verify("closest", model, self.file("points.csv", rows(points, "x,y,z")), **options)
+
+    def test_torus(self):
+        chance = random.Random(SEED)
+        points = [[chance.uniform(-2, 2) for _ in range(3)] for _ in range(3000)]
+        points += [[0.0, 0.0, float(z)] for z in range(3)]
+        table = self.file("points.csv", rows(points, "x,y,z"))
+        written = self.verify("closest", "torus:60x40", table)
+        out = self.folder / "one.csv"
+        subprocess.run([PROXIMA, "closest", "torus:60x40", "--points", table, "--out", out], check=True, capture_output=True)
+        self.assertEqual(written, out.read_text())
+
+    def test_nasty_meshes(self):
+        for k in range(6):
+            chance = random.Random(SEED + k)
+            positions, triangles = nasty_mesh(SEED + k)
+            points = nasty_points(chance, positions, triangles, 400)
+            self.expect_same(f"nasty_{k}", positions, triangles, points, ranks=(2 + k % 3, 4))
+
+    def test_ties_across_parts(self):
+        """Duplicates of triangles with their own vertices and edges, in random order, and the middle of a ball."""
+        chance = random.Random(SEED)
+        grid = [[float(x), float(y), 0.0] for x in range(9) for y in range(9)]
+        squares = [9 * x + y for x in range(8) for y in range(8)]
+        triangles = [t for at in squares for t in ([at, at + 9, at + 10], [at, at + 10, at + 1])]
+        chance.shuffle(triangles)
+        positions, triangles = copies(grid, triangles, 0.0)
+        points = [[float(chance.randrange(9)), chance.randrange(17) / 2, chance.choice([0.0, 1.0])] for _ in range(600)]
+        self.expect_same("grid", positions, triangles, points)
+        self.verify("closest", self.sample("icosphere:3"), self.file("middle.csv", rows([[0.0] * 3, [1e-17, 0.0, 0.0]], "x,y,z")))
+
+    def test_few_triangles(self):
+        positions = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]
+        chance = random.Random(SEED)
+        for triangles in ([[0, 1, 2]], [[0, 1, 2], [0, 2, 3]], [[0, 0, 0]], [[1, 1, 2], [3, 3, 3], [2, 1, 1]]):
+            self.expect_same("few", positions, triangles, nasty_points(chance, positions, triangles, 60), ranks=(3, 4))
+
+    def test_far_from_the_origin_and_sizes(self):
+        for k, (scale, shift) in enumerate([(1.0, 1e9), (1e-150, 0.0), (1e60, 0.0), (1e-9, 1.0)]):
+            chance = random.Random(SEED + k)
+            positions, triangles = nasty_mesh(SEED + k)
+            positions = [[x * scale + shift for x in at] for at in positions]
+            points = [[x * scale + shift for x in at] for at in nasty_points(chance, positions, triangles, 200)]
+            points = [[min(max(x, -1e300), 1e300) for x in at] for at in points]
+            self.expect_same(f"sized_{k}", positions, triangles, points, ranks=(3,))
+
+    def test_options(self):
+        self.verify("closest", "torus:30x20", self.file("points.csv", b"0,0,0\n"), "--routing-depth", 0, ranks=(3,))
+        result = run(2, "closest", "torus:30x20", "--point", "3,0,0", "--point", "0,0,0")
+        one = subprocess.run([PROXIMA, "closest", "torus:30x20", "--point", "3,0,0", "--point", "0,0,0"], capture_output=True, text=True)
+        self.assertEqual(result.stdout, one.stdout)
+
+
+def nasty_rays(chance, positions, triangles, count):
+    """Rays at and along vertices, edges and faces, from on them, along axes, and of any length and range."""
+    def target():
+        corners = [positions[corner] for corner in chance.choice(triangles)]
+        return chance.choice([corners[0], middle(*corners[:2]), middle(*corners), [x + chance.gauss(0, 0.3) for x in corners[0]]])
+
+    def ray():
+        origin, at = target(), target()
+        if chance.random() < 0.5:
+            origin = [x + chance.randrange(-9, 10) for x in origin]
+        direction = [b - a for a, b in zip(origin, at)]
+        if chance.random() < 0.3:
+            direction = [float(chance.randrange(-1, 2)) for _ in range(3)]
+        if not any(direction):
+            direction = [0.0, 0.0, -1.0]
+        scale = chance.choice([1.0, 1.0, 1e-9, 1e90, 1e-250])
+        limits = sorted(chance.choice([0.0, 0.25, 1.0, 2.0, -1.0]) for _ in range(2)) if chance.random() < 0.4 else [0.0, float("inf")]
+        return [*map(float, origin), *(x * scale for x in direction), *limits]
+
+    return [ray() for _ in range(count)]
+
+
+class Rays(QueryTest):
+    columns = "ox,oy,oz,dx,dy,dz,tmin,tmax"
+
+    def expect_same(self, name, positions, triangles, rays, **options):
+        model = self.file(f"{name}.ply", ply(positions, triangles))
+        return self.verify("rays", model, self.file("rays.csv", rows(rays, self.columns)), **options)
+
+    def test_torus(self):
+        chance = random.Random(SEED)
+        table = self.file("rays.csv", rows([[chance.uniform(-2, 2) for _ in range(6)] for _ in range(3000)], "ox,oy,oz,dx,dy,dz"))
+        written = self.verify("rays", "torus:60x40", table)
+        self.assertGreater(written.count(",inf,-1,"), 300)
+        out = self.folder / "one.csv"
+        subprocess.run([PROXIMA, "raycast", "torus:60x40", "--rays", table, "--out", out], check=True, capture_output=True)
+        self.assertEqual(written, out.read_text())
+
+    def test_nasty_meshes(self):
+        for k in range(6):
+            chance = random.Random(SEED + k)
+            positions, triangles = nasty_mesh(SEED + k)
+            rays = nasty_rays(chance, positions, triangles, 600)
+            self.expect_same(f"nasty_{k}", positions, triangles, rays, ranks=(2 + k % 3, 4))
+
+    def test_duplicates_and_sizes(self):
+        for k, (scale, shift) in enumerate([(1.0, 1e7), (1e-100, 0.0), (1e60, 0.0)]):
+            chance = random.Random(SEED + k)
+            positions, triangles = copies(*nasty_mesh(SEED + k), 0.0)
+            rays = nasty_rays(chance, positions, triangles, 300)
+            positions = [[x * scale + shift for x in at] for at in positions]
+            rays = [[x * scale + shift for x in ray[:3]] + [x * scale for x in ray[3:6]] + ray[6:] for ray in rays]
+            rays = [ray if any(ray[3:6]) else [*ray[:3], 1.0, 0.0, 0.0, *ray[6:]] for ray in rays]
+            self.expect_same(f"sized_{k}", positions, triangles, rays, ranks=(3,))
+
+
+def octahedron(center, radius, inside_out=False):
+    positions = [[c + sign * radius * (axis == k) for k, c in enumerate(center)] for axis in range(3) for sign in (1, -1)]
+    triangles = [[x, y, z] if (x + y + z) % 2 == inside_out else [y, x, z] for x in (0, 1) for y in (2, 3) for z in (4, 5)]
+    return positions, triangles
+
+
+def join(*meshes):
+    positions, triangles = [], []
+    for at, corners in meshes:
+        triangles += [[corner + len(positions) for corner in triangle] for triangle in corners]
+        positions += at
+    return positions, triangles
+
+
+class Sign(QueryTest):
+    def expect_same(self, name, mesh, points, **options):
+        model = self.file(f"{name}.ply", ply(*mesh))
+        written = self.verify("sign", model, self.file("points.csv", rows(points, "x,y,z")), **options)
+        return [line.split(",") for line in written.splitlines()[1:]]
+
+    def test_torus(self):
+        chance = random.Random(SEED)
+        points = [[chance.uniform(-1.6, 1.6), chance.uniform(-1.6, 1.6), chance.uniform(-0.6, 0.6)] for _ in range(3000)]
+        written = self.verify("sign", "torus:60x40", self.file("points.csv", rows(points, "x,y,z")))
+        inside = written.count(",-")
+        self.assertGreater(written.count("winding_number"), 2990)
+        self.assertGreater(inside, 300)
+
+    def test_solids(self):
+        """In each other, overlapping, inside out, twice at the same place, in pieces and with faces that have no area."""
+        chance = random.Random(SEED)
+        ball, inner, beside = octahedron([0, 0, 0], 4.0), octahedron([0, 0, 0], 2.0), octahedron([3, 0, 0], 4.0)
+        solids = {"nested": join(ball, inner), "hollow": join(ball, octahedron([0, 0, 0], 2.0, True)), "overlapping": join(ball, beside),
+                  "inside_out": octahedron([0, 0, 0], 4.0, True), "twice": join(ball, ball), "three": join(beside, inner, octahedron([1, 20, 0], 0.5))}
+        positions, triangles = ball
+        solids["no_area"] = positions, triangles + [[0, 0, 2], [3, 3, 3], [1, 4, 4]]
+        for name, mesh in solids.items():
+            points = nasty_points(chance, *mesh, 500)
+            found = self.expect_same(name, mesh, points, ranks=(chance.randrange(1, 5), 3))
+            self.assertGreater(sum(row[-1] == "on_surface" for row in found), 50)
+
+    def test_samples(self):
+        chance = random.Random(SEED)
+        for name in ("icosphere:3", "sphere:20x30", "spaceship:2000"):
+            points = [[chance.choice([chance.uniform(-1, 1), chance.randrange(-4, 5) / 4]) for _ in range(3)] for _ in range(1500)]
+            self.verify("sign", self.sample(name), self.file("points.csv", rows(points, "x,y,z")), ranks=(1, 4))
+
+    def test_far_from_the_origin(self):
+        chance = random.Random(SEED)
+        positions, triangles = octahedron([1e8, -3e7, 1e5], 1 / 3)
+        found = self.expect_same("far", (positions, triangles), nasty_points(chance, positions, triangles, 500))
+        self.assertIn("winding_number", {row[-1] for row in found})
+
+    def test_open_meshes(self):
+        """With holes, with faces turned over, sheets, and whatever triangles; points of edges and faces, far away and in the planes of holes."""
+        chance = random.Random(SEED)
+        positions, triangles = octahedron([0, 0, 0], 4.0)
+        meshes = [(positions, triangles[1:]), (positions, [triangles[0][::-1], *triangles[1:]]), (positions, triangles[:4]),
+                  join((positions, triangles[1:]), octahedron([1, 0, 0], 1.0)), *(nasty_mesh(SEED + k) for k in range(4))]
+        inside = 0
+        for k, mesh in enumerate(meshes):
+            points = nasty_points(chance, *mesh, 300)
+            inside += sum(float(row[-2]) < 0 for row in self.expect_same(f"open_{k}", mesh, points, ranks=(chance.randrange(1, 5), 3)))
+        self.assertGreater(inside, 100)
+
+    def test_what_rounding_would_decide(self):
+        """A point whose winding number differs from the limit, 1/2 - 2^-40, by less than 2^-42: between one inside and one outside, ever closer."""
+        positions, triangles = octahedron([0, 0, 0], 1.0)
+        model = self.file("open.ply", ply(positions, [t for t in triangles if 4 not in t]))
+        low, high = -0.5, 0.5  # z: inside of the lower half, above it
+        for _ in range(15):
+            heights = [low + (high - low) * k / 32 for k in range(33)]
+            result = run(1, "sign", model, "--points", self.file("z.csv", rows([[0.1, 0.05, z] for z in heights], "x,y,z")))
+            if result.returncode != 0:
+                break
+            outside = next(k for k, line in enumerate(result.stdout.splitlines()[1:]) if not line.split(",")[-2].startswith("-"))
+            low, high = heights[outside - 1:outside + 1]
+        for ranks in (1, 3):
+            result = run(ranks, "sign", model, "--points", self.folder / "z.csv")
+            self.assertEqual(result.returncode, 1)
+            self.assertRegex(result.stderr, r"proxima-mpi: the mesh is open, and whether point \d+ is inside hangs on rounding")
+
+
+class Tables(QueryTest):
+    def test_arrays_and_texts(self):
+        """More rows than go round at once, read in blocks; the same answers from both orders of an array and from text."""
+        chance = random.Random(SEED)
+        points = [[chance.uniform(-2, 2) for _ in range(3)] for _ in range(300000)]
+        written = [self.folder / f"{k}.npy" for k in range(4)]
+        for out, ranks, name, content in ((written[0], 1, "c.npy", npy(points)), (written[1], 2, "c.npy", npy(points)),
+                                          (written[2], 2, "f.npy", npy(points, "F")), (written[3], 1, "t.txt", rows(points, "x,y,z"))):
+            result = run(ranks, "closest", "torus:9x9", "--points", self.file(name, content), "--out", out)
+            self.assertEqual(result.returncode, 0, result.stderr)
+        one = self.folder / "one.npy"
+        subprocess.run([PROXIMA, "closest", "torus:9x9", "--points", self.folder / "c.npy", "--out", one], check=True, capture_output=True)
+        for out in written:
+            self.assertTrue(out.read_bytes() == one.read_bytes(), out)
+
+    def test_meshes_as_arrays(self):
+        chance = random.Random(SEED)
+        positions, triangles = nasty_mesh(SEED)
+        points = self.file("points.csv", rows(nasty_points(chance, positions, triangles, 300), "x,y,z"))
+        whole = self.file("mesh.ply", ply(positions, triangles))
+        arrays = [self.file("vertices.npy", mesh_npy(positions, "<f8", "d")), "--triangles", self.file("triangles.npy", mesh_npy(triangles, "<i4", "i"))]
+        answers = [run(ranks, "closest", *mesh, "--points", points) for ranks, mesh in ((1, [whole]), (3, arrays))]
+        self.assertEqual(answers[0].returncode, 0, answers[0].stderr)
+        self.assertEqual(answers[0].stdout, answers[1].stdout, f"seed {SEED}: {answers[1].stderr}")
+        result = run(2, "closest", *arrays, "--points", points, "--verify")
+        self.assertIn("--verify is for meshes that one process reads", result.stderr)
+
+    def test_bad_rows_of_later_blocks(self):
+        table = [[0.0, 0.0, 0.0, 1.0, 0.0, 0.0] for _ in range(300000)]
+        table[290000][3] = 0.0
+        result = run(2, "rays", "torus:9x9", "--rays", self.file("rays.npy", npy(table)), "--out", self.folder / "out.csv")
+        self.assertEqual(result.returncode, 1)
+        self.assertEqual(result.stderr.count("rays.npy, row 290000: this is no ray"), 1, result.stderr)
+        table[290000][3] = float("nan")
+        result = run(2, "rays", "torus:9x9", "--rays", self.file("rays.npy", npy(table)), "--out", self.folder / "out.csv")
+        self.assertIn("row 290000 from 0: nan is no finite number", result.stderr)
+        result = run(2, "rays", "torus:9x9", "--rays", self.file("rays.npy", npy(table)[:-8]))
+        self.assertIn("rays.npy: the header says 300000 rows", result.stderr)
+        self.assertFalse((self.folder / "out.csv").exists())
+
+
+class QueryErrors(QueryTest):
+    def refuse(self, *arguments, says, status=1):
+        result = run(3, *arguments)
+        self.assertEqual(result.returncode, status, result.stderr)
+        self.assertIn(says, result.stderr)
+        if status == 1:
+            self.assertEqual(result.stderr.count("proxima-mpi: "), 1, result.stderr)
+
+    def test_bad_points(self):
+        for content, says in ((b"x,y,z\n1,2\n", "points.csv:2"), (b"1,2,nan\n", "points.csv:1"), (b"", "empty"), (b"1,2\n", "x,y,z")):
+            self.refuse("closest", "torus:9x9", "--points", self.file("points.csv", content), says=says)
+        self.refuse("closest", "torus:9x9", "--points", self.folder / "none.csv", says="none.csv")
+
+    def test_bad_rays(self):
+        for content, says in ((b"0,0,0,0,0,0\n", "rays.csv:1: this is no ray"), (b"0,0,0,1,0,0,3,2\n", "tmin"), (b"1,2,3\n", "ox,oy,oz")):
+            self.refuse("rays", "torus:9x9", "--rays", self.file("rays.csv", content), says=says)
+
+    def test_outputs(self):
+        points = self.file("points.csv", b"1,2,3\n")
+        self.refuse("closest", "torus:9x9", "--points", points, "--out", "answers.txt", says="answers.txt")
+        self.refuse("closest", "torus:9x9", "--points", points, "--out", self.folder / "none" / "a.csv", says="none")
+        self.refuse("closest", self.folder / "none.ply", "--points", points, "--out", self.folder / "a.csv", says="none.ply")
+        self.assertFalse((self.folder / "a.csv").exists())
+
+    def test_usage(self):
+        self.refuse("closest", "torus:9x9", says="--points", status=2)
+        self.refuse("closest", "torus:9x9", "--point", "1,2,3", "--points", "x.csv", says="--point", status=2)
+
+
+if __name__ == "__main__":
+    unittest.main()
