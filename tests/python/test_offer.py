@@ -295,7 +295,11 @@ LEFT_OUT = {
         "both_ways": "the maximum of both", "GreatestDeviation.is_complete MeanDeviation.is_complete": "the interval says how near the bounds are",
         "GreatestDeviation.splits MeanDeviation.splits GreatestDeviationOptions.max_splits MeanDeviationOptions.max_splits "
         "GreatestDeviationOptions.default_tolerance MeanDeviationOptions.default_tolerance MeanDeviation.area MeanDeviation.histogram "
-        "MeanDeviationOptions.histogram_bins MeanDeviationOptions.histogram_end": NOT_YET},
+        "MeanDeviationOptions.histogram_bins MeanDeviationOptions.histogram_end MeanDeviation.area_error "
+        "GreatestDeviation.places GreatestDeviation.has_all_places GreatestDeviationOptions.max_places "
+        "GreatestDeviationOptions.place_spacing GreatestDeviationOptions.default_spacing FarPlace.distance FarPlace.point_a FarPlace.point_b FarPlace.triangle_a "
+        "FarPlace.triangle_b TwoSidedMean.mean TwoSidedMean.root_mean_square TwoSidedMean.larger_mean "
+        "TwoSidedMean.larger_root_mean_square": NOT_YET},
     "distance_field.h": {"PointGrid.point PointGrid.position PointGrid.point_count": NAMES},
     "neighbourhood.h": {
         "collect_features NearestFeature.feature NearestFeature.squared": NOT_YET, "Neighbourhood.complete Neighbourhood.written": NAMES,

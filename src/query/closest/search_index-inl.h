@@ -387,12 +387,6 @@ HWY_NOINLINE inline RowDistance search_index(const IndexParts& index,
     return query.best;
 }
 
-HWY_INLINE RowDistance search_any_index(const IndexParts& index, const Vec3& p, double known)
-{
-    return index.double_rows().empty() ? search_index(index, index.float_rows(), p, known)
-                                       : search_index(index, index.double_rows(), p, known);
-}
-
 } // namespace proxima::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 
