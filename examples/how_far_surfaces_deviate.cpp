@@ -18,6 +18,6 @@ int main()
     if (!there || !back || !mean) return std::cerr << "no answer\n", 1;
     const DistanceBounds hausdorff = both_ways(there->distance, back->distance);
     std::cout << "Hausdorff distance from " << hausdorff.lower << " to " << hausdorff.upper
-              << "\nmean distance " << mean->mean.lower << "\nfarthest at "
-              << there->point_a.transpose() << '\n';
+              << "\nmean distance from " << mean->mean.lower << " to " << mean->mean.upper
+              << "\nfarthest at " << there->point_a.transpose() << '\n';
 }
