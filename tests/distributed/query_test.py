@@ -111,7 +111,7 @@ class Closest(QueryTest):
             self.expect_same("few", positions, triangles, nasty_points(chance, positions, triangles, 60), ranks=(3, 4))
 
     def test_far_from_the_origin_and_sizes(self):
-        for k, (scale, shift) in enumerate([(1.0, 1e9), (1e-150, 0.0), (1e60, 0.0), (1e-9, 1.0)]):
+        for k, (scale, shift) in enumerate([(1.0, 1e9), (1e-150, 0.0), (1e-200, 0.0), (1e60, 0.0), (1e-9, 1.0)]):
             chance = random.Random(SEED + k)
             positions, triangles = nasty_mesh(SEED + k)
             positions = [[x * scale + shift for x in at] for at in positions]
