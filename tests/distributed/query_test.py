@@ -247,6 +247,19 @@ class Sign(QueryTest):
             inside += sum(float(row[-2]) < 0 for row in self.expect_same(f"open_{k}", mesh, points, ranks=(chance.randrange(1, 5), 3)))
         self.assertGreater(inside, 100)
 
+    def test_open_meshes_from_far_away(self):
+        """Where powers of the distance overflow; and inside of many sheets, though outside of their box."""
+        sheet = [[-1.0, -1.0, 0.0], [3.0, -1.0, 0.0], [-1.0, 3.0, 0.0]]
+        far = [[sign * 10.0 ** k, 0.5, -1.0] for k in (1, 3, 8, 20, 52, 80, 103, 110, 155, 250, 307) for sign in (1, -1)]
+        near = [[0.1, 0.2, sign * 2.0 ** k] for k in range(-8, 12) for sign in (1, -1)]
+        for size in (1.0, 1e-100, 1e90):
+            mesh = join(*([([[x * size for x in at] for at in sheet], [[0, 1, 2]])] * 40))
+            points = far + [[x * size for x in at] for at in near]
+            inside = [float(row[-2]) < 0 for row in self.expect_same("sheets", mesh, points, ranks=(1, 3))]
+            self.assertGreater(sum(inside[len(far):]), 5)
+            if size < 1e90:
+                self.assertFalse(any(inside[:len(far)]))
+
     def test_what_rounding_would_decide(self):
         """A point whose winding number differs from the limit, 1/2 - 2^-40, by less than 2^-42: between one inside and one outside, ever closer."""
         positions, triangles = octahedron([0, 0, 0], 1.0)
