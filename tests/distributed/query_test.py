@@ -293,6 +293,18 @@ class Tables(QueryTest):
         for out in written:
             self.assertTrue(out.read_bytes() == one.read_bytes(), out)
 
+    def test_many_ranks_hold_no_more_rows_at_once(self):
+        """The first rank reads all rows of a block, and one rank is asked them all."""
+        one = npy([[0.5, 0.25, 2.0]])
+        header = one[:-24].replace(b"(1, 3), }" + b" " * 6, b"(2200000, 3), }")
+        points = self.file("points.npy", header + one[-24:] * 2200000)
+        out = self.folder / "out.npy"
+        result = run(16, "closest", "torus:9x9", "--points", points, "--out", out)
+        self.assertEqual(result.returncode, 0, result.stderr)
+        ranks = [line.split() for line in result.stdout.splitlines() if len(line.split()) == 6 and line.split()[0].isdigit()]
+        self.assertEqual(len(ranks), 16)
+        self.assertLess(max(int(rank[-1]) for rank in ranks), 280)  # MB
+
     def test_meshes_as_arrays(self):
         chance = random.Random(SEED)
         positions, triangles = nasty_mesh(SEED)
