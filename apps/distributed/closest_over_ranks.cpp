@@ -85,12 +85,14 @@ std::vector<ClosestOfWhole> answer_points(const MeshPart& part,
     for (const KeyedIndex& at : along_curve(part, questions)) {
         const PointQuestion& question = questions[at.index];
         const Vec3 p(question.point.data());
-        const double near_last = last_distance + (p - last_point).norm();
+        // In the index's units: squares of very small numbers are zero.
+        const double step = (index.scale() * (p - last_point)).norm();
+        const double near_last = last_distance + index.unscale() * step;
         const RowDistance found = find_closest(index, p, std::min(question.known, near_last));
         answers[at.index] = whole_answer(part, p, found);
         if (!found.found()) continue;
         last_point = p;
-        last_distance = std::sqrt(found.squared) / part.scale;
+        last_distance = std::sqrt(found.squared) * index.unscale();
     }
     return answers;
 }

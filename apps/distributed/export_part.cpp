@@ -62,6 +62,34 @@ std::string list_of_pieces(const fs::path& path, const std::vector<std::uint64_t
     return text + "</PUnstructuredGrid>\n</VTKFile>\n";
 }
 
+/// Writes this rank's piece, if it has leaves, and on rank 0 the list of all. Collective.
+Status write_pieces(const OctreePart& part, const fs::path& path, const fs::path& own,
+                    bool& has_piece, World& world)
+{
+    Progress* const progress = &world.progress();
+    const Octree& octree = part.octree;
+    std::uint64_t count = 0;
+    const Status status = world.agree_on([&]() -> Status {
+        const auto leaves = leaf_boxes_below(octree, part.cells, LeafChoice::all, progress);
+        if (!leaves) return tl::unexpected(leaves.error());
+        count = leaves->size();
+        if (count == 0) return {};
+        Status written = write_classified_leaves(octree.frame(), octree.parameters().max_depth,
+                                                 *leaves, own, progress);
+        has_piece = written.has_value();
+        return written;
+    });
+    if (!status) return status;
+    const std::vector<std::uint64_t> counts = world.gather(count);
+    return world.agree_on([&]() -> Status {
+        if (world.rank() != 0) return {};
+        auto file = OutputFile::create(path);
+        if (!file) return tl::unexpected(file.error());
+        if (auto written = file->write(list_of_pieces(path, counts)); !written) return written;
+        return file->commit();
+    });
+}
+
 } // namespace
 
 Status export_part(const OctreePart& part, const fs::path& path, World& world)
@@ -77,27 +105,12 @@ Status export_part(const OctreePart& part, const fs::path& path, World& world)
                     path.string());
     });
     if (!status) return status;
-    Progress* const progress = &world.progress();
-    const Octree& octree = part.octree;
-    std::uint64_t count = 0;
-    status = world.agree_on([&]() -> Status {
-        const auto leaves = leaf_boxes_below(octree, part.cells, LeafChoice::all, progress);
-        if (!leaves) return tl::unexpected(leaves.error());
-        count = leaves->size();
-        if (count == 0) return {};
-        return write_classified_leaves(octree.frame(), octree.parameters().max_depth, *leaves,
-                                       piece_path(path, static_cast<std::size_t>(world.rank())),
-                                       progress);
-    });
-    if (!status) return status;
-    const std::vector<std::uint64_t> counts = world.gather(count);
-    return world.agree_on([&]() -> Status {
-        if (world.rank() != 0) return {};
-        auto file = OutputFile::create(path);
-        if (!file) return tl::unexpected(file.error());
-        if (auto written = file->write(list_of_pieces(path, counts)); !written) return written;
-        return file->commit();
-    });
+    const fs::path own = piece_path(path, static_cast<std::size_t>(world.rank()));
+    bool has_piece = false;
+    status = write_pieces(part, path, own, has_piece, world);
+    std::error_code error;
+    if (!status && has_piece) fs::remove(own, error);
+    return status;
 }
 
 } // namespace proxima

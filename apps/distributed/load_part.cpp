@@ -1,10 +1,12 @@
 #include "distributed/load_part.h"
 
-#include "distributed/mesh_slice.h"
+#include "base/hash.h"
+#include "distributed/slice_reader.h"
 #include "octree/distribute_children.h"
 #include "octree/octree_file.h"
 
 #include <algorithm>
+#include <bit>
 #include <memory>
 
 namespace proxima {
@@ -159,6 +161,10 @@ private:
 
 Result<Octree> open(const std::filesystem::path& path, World& world)
 {
+    // The first bytes have the checksums of all others.
+    SharedFile shared(path.string());
+    Status status = check_file(shared, path.string(), world);
+    if (!status) return tl::unexpected(status.error());
     Octree file;
     const auto open_it = [&](Verification verification) -> Status {
         auto loaded = load_unchecked_octree(
@@ -178,10 +184,22 @@ Result<Octree> open(const std::filesystem::path& path, World& world)
         }
         return {};
     };
-    const Status status = world.agree_on(
+    status = world.agree_on(
         [&] { return open_it(world.rank() == 0 ? Verification::full : Verification::structure); });
     if (!status) return tl::unexpected(status.error());
     return file;
+}
+
+/// What ranks must have in common to share the cells of a file, which may change while it is read.
+std::uint64_t hash_of(const Octree& file, const std::vector<Cell>& cells)
+{
+    const OctreeFrame& frame = file.frame();
+    std::vector<std::uint64_t> numbers = {file.nodes().size(), file.references().size(),
+                                          file.triangle_count()};
+    for (const Vec3& at : {frame.lower, frame.edge})
+        for (const double number : at) numbers.push_back(std::bit_cast<std::uint64_t>(number));
+    for (const Cell& cell : cells) numbers.push_back(cell.key.bits);
+    return hash_bytes(std::as_bytes(std::span(numbers)), 0);
 }
 
 /// The cells of this rank when all are shared by their weights. Collective.
@@ -223,12 +241,15 @@ Result<OctreePart> load_part(const std::filesystem::path& path, int routing_dept
     if (!file) return tl::unexpected(file.error());
     PartLoader loader(*file, path.string(), world.progress());
     std::vector<Cell> all;
+    std::uint64_t hash = 0;
     Status status = world.agree_on([&]() -> Status {
         auto found = loader.cells(routing_depth);
         if (!found) return tl::unexpected(found.error());
         all = std::move(*found);
+        hash = hash_of(*file, all);
         return {};
     });
+    if (status) status = world.expect_same(hash, path.string());
     if (!status) return tl::unexpected(status.error());
     auto cells = share_cells(all, loader, world);
     if (!cells) return tl::unexpected(cells.error());

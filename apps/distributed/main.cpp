@@ -1,17 +1,20 @@
 // proxima-mpi: octrees of meshes that are spread over the processes of a run, and queries. Run it by
 // mpirun.
 // This program links p4est, which is under the GPL.
+#include "base/hash.h"
 #include "cli/interrupt.h"
 #include "cli/progress_bar.h"
 #include "distributed/octree_command.h"
 #include "distributed/query_command.h"
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <cstdio>
 #include <exception>
 #include <functional>
 #include <map>
 #include <p4est_base.h>
+#include <span>
 #include <string>
 
 namespace proxima {
@@ -23,10 +26,36 @@ constexpr int first_signal_status = 128;
 using RunCommand = std::function<Status(World&)>;
 using AddCommand = RunCommand (*)(CLI::App& app);
 
+/// Ranks that do different things would wait for each other for ever.
+Status check_arguments(std::span<char* const> words, const World& world)
+{
+    std::string text;
+    for (const char* const word : words) {
+        text += '\0'; // words may have spaces
+        text += word;
+    }
+    Status status;
+    if (const std::uint64_t hash = hash_bytes(std::as_bytes(std::span(text)), 0);
+        world.from_first(hash) != hash) {
+        std::ranges::replace(text, '\0', ' ');
+        status = fail(ErrorCode::invalid_argument,
+                      concat("rank ", world.rank(), " has other arguments than rank 0,", text,
+                             ": give all ranks the same, names of files, too"));
+    }
+    return world.agree(status);
+}
+
 /// Reads the arguments and runs the command that they name. Returns the exit status, the same on all
 /// ranks. Only rank 0 prints.
 int run(int argc, char** argv, World& world)
 {
+    const std::span words(argv, static_cast<std::size_t>(argc));
+    if (const Status same = check_arguments(words.subspan(1), world); !same) {
+        if (world.rank() == 0) {
+            std::fprintf(stderr, "proxima-mpi: %s\n", describe(same.error()).c_str());
+        }
+        return 2;
+    }
     constexpr AddCommand add_commands[] = {add_octree_command, add_closest_command,
                                            add_rays_command, add_sign_command};
     CLI::App app("Octrees of triangle meshes, and queries, over several processes");

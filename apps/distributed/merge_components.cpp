@@ -3,6 +3,7 @@
 #include "base/disjoint_sets.h"
 
 #include <algorithm>
+#include <limits>
 
 namespace proxima {
 
@@ -62,8 +63,15 @@ Result<ClassificationSummary> join_components(std::vector<ComponentMeeting> meet
         return {};
     });
     if (!status) return tl::unexpected(status.error());
-    summary.components = static_cast<std::uint32_t>(world.sum(summary.components));
-    summary.leaked_components = static_cast<std::uint32_t>(world.sum(summary.leaked_components));
+    const std::uint64_t components = world.sum(summary.components);
+    const std::uint64_t leaked_components = world.sum(summary.leaked_components);
+    if (components > std::numeric_limits<std::uint32_t>::max()) {
+        return fail(ErrorCode::limit_exceeded,
+                    concat("the empty leaves make ", components,
+                           " regions, and an octree counts 2^32 at most: build it less deep"));
+    }
+    summary.components = static_cast<std::uint32_t>(components);
+    summary.leaked_components = static_cast<std::uint32_t>(leaked_components);
     summary.leaked_leaves = world.sum(summary.leaked_leaves);
     return summary;
 }

@@ -19,7 +19,8 @@ Result<Box> whole_box(const MeshSlice& slice, World& world)
             if (!at.allFinite()) {
                 return fail(ErrorCode::invalid_mesh,
                             concat("vertex ", slice.vertices[i],
-                                   " has a NaN or infinite coordinate: repair the mesh"));
+                                   " has a NaN or infinite coordinate: repair the mesh"),
+                            slice.name);
             }
             for (std::size_t axis = 0; axis < 3; ++axis) {
                 const double value = at[static_cast<Eigen::Index>(axis)];
@@ -33,7 +34,8 @@ Result<Box> whole_box(const MeshSlice& slice, World& world)
     MPI_Allreduce(MPI_IN_PLACE, ends.data(), 6, MPI_DOUBLE, MPI_MIN, MPI_COMM_WORLD);
     if (*std::ranges::min_element(ends) < -1e100) {
         return fail(ErrorCode::invalid_mesh,
-                    "coordinates beyond 1e100 would overflow exact arithmetic: scale the mesh");
+                    "coordinates beyond 1e100 would overflow exact arithmetic: scale the mesh",
+                    slice.name);
     }
     Box box;
     box.lower = {ends[0], ends[1], ends[2]};
@@ -43,7 +45,13 @@ Result<Box> whole_box(const MeshSlice& slice, World& world)
 
 Result<MeshSlice> load_slice(const std::string& model, const std::string& triangles, World& world)
 {
-    if (!triangles.empty()) return read_npy_slice(model, triangles, world);
+    if (!triangles.empty()) {
+        if (model.ends_with(".npy")) return read_npy_slice(model, triangles, world);
+        return fail(
+            ErrorCode::invalid_argument,
+            "--triangles goes with vertices in a .npy file: leave it out, or name that file",
+            model);
+    }
     if (const auto size = torus_size(model)) return make_torus_slice(*size, world);
     if (model.ends_with(".ply")) return read_ply_slice(model, world);
     return fail(ErrorCode::unsupported_format,

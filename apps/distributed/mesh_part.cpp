@@ -1,6 +1,7 @@
 #include "distributed/mesh_part.h"
 
 #include "base/morton_code.h"
+#include "distributed/local_numbers.h"
 #include "distributed/mesh_input.h"
 #include "distributed/order_by_key.h"
 #include "distributed/routed_forest.h"
@@ -10,7 +11,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 namespace proxima {
 
@@ -67,33 +67,6 @@ std::vector<std::vector<CellCount>> count_cells(const std::vector<std::uint64_t>
     }
     return counts;
 }
-
-/// Numbers from 0 on, in the order in which they are asked for.
-class LocalNumbers {
-public:
-    explicit LocalNumbers(std::size_t count) : numbers_(count, none) {}
-
-    /// The number of an item, which is new where it equals used().size() - 1 after the call.
-    std::uint32_t number_of(std::uint32_t item)
-    {
-        if (numbers_[item] == none) {
-            numbers_[item] = static_cast<std::uint32_t>(used_.size());
-            used_.push_back(item);
-        }
-        return numbers_[item];
-    }
-    /// Items by number; forgets them.
-    std::vector<std::uint32_t> take()
-    {
-        for (const std::uint32_t item : used_) numbers_[item] = none;
-        return std::exchange(used_, {});
-    }
-
-private:
-    static constexpr std::uint32_t none = std::numeric_limits<std::uint32_t>::max();
-    std::vector<std::uint32_t> numbers_;
-    std::vector<std::uint32_t> used_;
-};
 
 /// Sorts the slice's triangles by the rank that owns their cells. Throws std::bad_alloc.
 PartMessages pack(const MeshSlice& slice, const SliceFeatures& features,

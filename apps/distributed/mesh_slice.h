@@ -11,6 +11,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <optional>
+#include <string>
 #include <string_view>
 
 namespace proxima {
@@ -20,6 +21,7 @@ struct MeshSlice {
     std::vector<std::uint64_t> vertices; ///< vertex i's number in the whole, ascending
     std::uint64_t first_triangle = 0;
     std::uint64_t whole_triangles = 0;
+    std::string name; ///< of the file of the vertices, for messages
 };
 
 /// Rank r's part of `count` items that n ranks share: [first, end).

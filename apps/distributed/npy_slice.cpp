@@ -87,8 +87,8 @@ Result<MeshSlice> read_npy_slice(const std::filesystem::path& vertices,
     records.triangles.name = triangles.string();
     SharedFile vertex_file(records.vertices.name);
     SharedFile triangle_file(records.triangles.name);
-    Status status = check_open(vertex_file, records.vertices.name, world);
-    if (status) status = check_open(triangle_file, records.triangles.name, world);
+    Status status = check_file(vertex_file, records.vertices.name, world);
+    if (status) status = check_file(triangle_file, records.triangles.name, world);
     if (status) {
         status = world.agree_on([&] { return read_layouts(vertex_file, triangle_file, records); });
     }

@@ -159,7 +159,7 @@ Status read_layout(const std::string& name, SharedFile& file, MeshRecords& recor
 Result<MeshSlice> read_ply_slice(const std::filesystem::path& path, World& world)
 {
     SharedFile file(path.string());
-    Status status = check_open(file, path.string(), world);
+    Status status = check_file(file, path.string(), world);
     if (!status) return tl::unexpected(status.error());
     MeshRecords records;
     status = world.agree_on([&] { return read_layout(path.string(), file, records); });

@@ -2,6 +2,7 @@
 
 #include "base/progress.h"
 #include "base/radix_sort.h"
+#include "distributed/local_numbers.h"
 #include "octree/coarse_bins.h"
 
 #include <algorithm>
@@ -97,40 +98,33 @@ class Packer {
 public:
     explicit Packer(const MeshSlice& slice)
         : slice_(slice), is_packed_(slice.mesh.triangle_count()),
-          number_(slice.mesh.vertex_count(), none)
+          numbers_(slice.mesh.vertex_count())
     {}
 
     void pack(const std::vector<std::uint32_t>& ids, std::vector<RoutedTriangle>& triangles,
               std::vector<Position>& vertices)
     {
         triangles.reserve(ids.size());
-        std::vector<std::uint32_t> used;
         for (const std::uint32_t id : ids) {
             RoutedTriangle& triangle = triangles.emplace_back();
             triangle.id = slice_.first_triangle + id;
             triangle.is_counted = is_packed_[id] ? 0 : 1;
             is_packed_[id] = true;
-            for (std::size_t k = 0; k < 3; ++k) {
-                const std::uint32_t vertex = slice_.mesh.triangles()[id][k];
-                if (number_[vertex] == none) {
-                    number_[vertex] = static_cast<std::uint32_t>(used.size());
-                    used.push_back(vertex);
-                }
-                triangle.corners[k] = number_[vertex];
-            }
+            for (std::size_t k = 0; k < 3; ++k)
+                triangle.corners[k] = numbers_.number_of(slice_.mesh.triangles()[id][k]);
         }
+        const std::vector<std::uint32_t> used = numbers_.take();
         vertices.reserve(used.size());
         for (const std::uint32_t vertex : used) {
             const Vec3& at = slice_.mesh.positions()[vertex];
             vertices.push_back({at[0], at[1], at[2]});
-            number_[vertex] = none;
         }
     }
 
 private:
     const MeshSlice& slice_;
-    std::vector<bool> is_packed_;       ///< for an earlier rank
-    std::vector<std::uint32_t> number_; ///< of each vertex in the rank's message
+    std::vector<bool> is_packed_; ///< for an earlier rank
+    LocalNumbers numbers_;        ///< of vertices in the rank's message
 };
 
 Result<Messages> pack_all(const MeshSlice& slice, const CoarseBins& bins,

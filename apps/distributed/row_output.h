@@ -27,18 +27,22 @@ public:
     template <class Make>
     [[nodiscard]] Status write(const Make& make)
     {
-        std::vector<char> own;
+        fmt::memory_buffer text;
         const Status status = world_->agree_on([&]() -> Status {
-            const fmt::memory_buffer text = make(format_);
-            own.assign(text.begin(), text.end());
+            text = make(format_);
             return {};
         });
         if (!status) return status;
-        const auto rows = world_->collect(std::move(own));
-        if (!rows) return tl::unexpected(rows.error());
-        return world_->agree_on([&] {
-            return write_text({rows->items.data(), rows->items.size()});
-        });
+        Status written;
+        world_->stream_to_first<char>(
+            text.size(),
+            [&](std::size_t first, std::size_t end) {
+                return std::span<const char>(text.data() + first, end - first);
+            },
+            [&](std::span<const char> part) {
+                if (written) written = write_text({part.data(), part.size()});
+            });
+        return world_->agree(written);
     }
 
     /// The file appears. Collective.

@@ -180,37 +180,17 @@ private:
     template <class Item, class ItemAt>
     void stream(std::size_t count, const ItemAt& item_at)
     {
-        constexpr std::size_t block = std::size_t{1} << 19U;
-        const auto counts = world_.gather(count);
         std::vector<Item> items;
-        if (world_.rank() != 0) {
-            for (std::size_t first = 0; first < count; first += block) {
-                fill(items, first, std::min(count, first + block), item_at);
-                world_.send_to_first(std::as_bytes(std::span(items)));
-            }
-            return;
-        }
-        for (std::size_t rank = 0; rank < counts.size(); ++rank) {
-            for (std::size_t first = 0; first < counts[rank]; first += block) {
-                const std::size_t end = std::min<std::size_t>(counts[rank], first + block);
-                if (rank == 0) {
-                    fill(items, first, end, item_at);
-                } else {
-                    items.resize(end - first);
-                    world_.receive(static_cast<int>(rank),
-                                   std::as_writable_bytes(std::span(items)));
-                }
-                if (written_) written_ = writer_->write(std::as_bytes(std::span(items)));
-            }
-        }
-    }
-
-    template <class Item, class ItemAt>
-    static void fill(std::vector<Item>& items, std::size_t first, std::size_t end,
-                     const ItemAt& item_at)
-    {
-        items.clear();
-        for (std::size_t i = first; i < end; ++i) items.push_back(item_at(i));
+        world_.stream_to_first<Item>(
+            count,
+            [&](std::size_t first, std::size_t end) {
+                items.clear();
+                for (std::size_t i = first; i < end; ++i) items.push_back(item_at(i));
+                return std::span<const Item>(items);
+            },
+            [&](std::span<const Item> part) {
+                if (written_) written_ = writer_->write(std::as_bytes(part));
+            });
     }
 
     const OctreePart& part_;

@@ -52,10 +52,19 @@ std::vector<WindingEstimate> estimate_winding(const MeshPart& part,
     return estimates;
 }
 
+/// A distance, in units of the frame, beyond which no point is inside. A ball of radius r, seen from
+/// the distance d of its middle, is less than r^2 / (2 d^2) of all directions, and so is each of the n
+/// triangles in it: from sqrt(2 n) r on, all of them wind less than 1/4 around a point.
+double reach_of_inside(const MeshPart& part) noexcept
+{
+    const double radius = (part.whole_box.extent() * part.scale).norm() / 2;
+    return std::sqrt(2 * static_cast<double>(part.whole_triangles)) * radius;
+}
+
 class SignRun {
 public:
     SignRun(const MeshPart& part, std::span<const Vec3> points, std::uint64_t first, World& world)
-        : part_(part), points_(points), first_(first), world_(world),
+        : part_(part), points_(points), first_(first), world_(world), reach_(reach_of_inside(part)),
           asked_(static_cast<std::size_t>(world.size()))
     {}
 
@@ -79,6 +88,13 @@ private:
     {
         const ClosestOfWhole& closest = answers_[i].closest;
         return closest.is_on_feature != 0 || !std::isfinite(closest.distance(part_.scale));
+    }
+
+    /// Whether the point has no winding number of 1/2. Sums would overflow far away.
+    [[nodiscard]] bool is_far(std::uint32_t i) const noexcept
+    {
+        const Vec3 from_middle = (points_[i] - part_.whole_box.center()) * part_.scale;
+        return from_middle.norm() > reach_;
     }
 
     Status count()
@@ -105,7 +121,7 @@ private:
         std::vector<std::uint32_t> pending;
         Status status = world_.agree_on([&]() -> Status {
             for (std::uint32_t i = 0; i < points_.size(); ++i)
-                if (!is_told(i)) pending.push_back(i);
+                if (!is_told(i) && !is_far(i)) pending.push_back(i);
             return {};
         });
         // The steps of winding::exceeds.
@@ -166,6 +182,7 @@ private:
     std::span<const Vec3> points_;
     std::uint64_t first_;
     World& world_;
+    double reach_;
     AskedRanks asked_;
     std::vector<SignedOfWhole> answers_;
 };

@@ -1,8 +1,13 @@
 #include "distributed/slice_reader.h"
 
+#include "base/hash.h"
+
 #include <algorithm>
 #include <bit>
 #include <cstring>
+#include <filesystem>
+#include <span>
+#include <system_error>
 
 namespace proxima {
 
@@ -64,6 +69,7 @@ public:
 private:
     Status read_triangles()
     {
+        slice_.name = layout_.vertices.name;
         slice_.whole_triangles = layout_.triangles.count;
         const Share share = share_of(layout_.triangles.count, world_.rank(), world_.size());
         slice_.first_triangle = share.first;
@@ -241,13 +247,31 @@ std::uint64_t bytes_of(NumberType type) noexcept
     return bytes[static_cast<std::size_t>(type)];
 }
 
-Status check_open(const SharedFile& file, const std::string& name, World& world)
+Status check_file(SharedFile& file, const std::string& name, World& world)
 {
-    return world.agree_on([&]() -> Status {
-        if (file.is_open()) return {};
-        return fail(ErrorCode::file_not_found,
-                    concat("cannot be opened for reading on rank ", world.rank()), name);
+    constexpr std::uint64_t places = 16;
+    constexpr std::uint64_t most = 1U << 16U;
+    std::uint64_t hash = 0;
+    const Status status = world.agree_on([&]() -> Status {
+        std::error_code error;
+        if (std::filesystem::is_directory(name, error))
+            return fail(ErrorCode::file_not_found, "this is a folder: name a file in it", name);
+        if (!file.is_open()) {
+            return fail(ErrorCode::file_not_found,
+                        concat("cannot be opened for reading on rank ", world.rank()), name);
+        }
+        const std::uint64_t bytes = file.bytes();
+        std::vector<char> block(std::min(bytes, most));
+        hash = bytes;
+        for (std::uint64_t i = 0; i < places; ++i) {
+            const std::uint64_t start = (bytes - block.size()) / (places - 1) * i;
+            const std::uint64_t at = i + 1 < places ? start : bytes - block.size();
+            if (!file.read(at, block.data(), block.size())) return ends_early(name);
+            hash = hash_bytes(std::as_bytes(std::span(block)), hash);
+        }
+        return {};
     });
+    return status ? world.expect_same(hash, name) : status;
 }
 
 tl::unexpected<Error> ends_early(const std::string& name)

@@ -72,8 +72,9 @@ struct MeshRecords {
     std::optional<NumberPlace> length{}; ///< a number that must be 3
 };
 
-/// The error of a file that cannot be opened, on all ranks. Collective.
-[[nodiscard]] Status check_open(const SharedFile& file, const std::string& name, World& world);
+/// Checks that all ranks can read a file, and that it has the same content on each: its size, and
+/// 64 KiB at 16 places from the first to the last byte. Collective.
+[[nodiscard]] Status check_file(SharedFile& file, const std::string& name, World& world);
 
 /// The error of a file that ended before its size said so.
 [[nodiscard]] tl::unexpected<Error> ends_early(const std::string& name);

@@ -10,8 +10,16 @@ namespace proxima {
 
 namespace {
 
-/// Rows that each rank has at once: their answers take up to 100 bytes each, twice.
-constexpr std::uint64_t rows_per_rank = std::uint64_t{1} << 17U;
+/// Rows that are answered at once. Rank 0 reads them all, and they may all be near one rank's part; a
+/// rank's answers take up to 100 bytes each, twice.
+std::uint64_t rows_of_block(int ranks) noexcept
+{
+    constexpr std::uint64_t of_all = std::uint64_t{1} << 20U;
+    constexpr std::uint64_t least_of_one = std::uint64_t{1} << 12U;
+    constexpr std::uint64_t most_of_one = std::uint64_t{1} << 17U;
+    const auto count = static_cast<std::uint64_t>(ranks);
+    return count * std::clamp(of_all / count, least_of_one, most_of_one);
+}
 
 } // namespace
 
@@ -86,8 +94,7 @@ Result<std::optional<TableBlocks::Block>> TableBlocks::next(World& world)
 {
     if (next_ == rows_) return std::optional<Block>();
     const std::uint64_t first = next_;
-    const std::uint64_t rows =
-        std::min(rows_per_rank * static_cast<std::uint64_t>(world.size()), rows_ - first);
+    const std::uint64_t rows = std::min(rows_of_block(world.size()), rows_ - first);
     next_ += rows;
     Block block;
     std::vector<std::vector<double>> outgoing(static_cast<std::size_t>(world.size()));

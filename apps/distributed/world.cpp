@@ -104,6 +104,25 @@ std::vector<std::uint64_t> World::gather(std::uint64_t value) const
     return values;
 }
 
+std::uint64_t World::from_first(std::uint64_t value) const
+{
+    MPI_Bcast(&value, 1, MPI_UINT64_T, 0, MPI_COMM_WORLD);
+    return value;
+}
+
+Status World::expect_same(std::uint64_t hash, const std::string& file) const
+{
+    Status status;
+    if (from_first(hash) != hash) {
+        status = fail(ErrorCode::malformed_file,
+                      concat("rank ", rank_,
+                             " reads another content of this file than rank 0: give all ranks the "
+                             "same file, and leave it as it is"),
+                      file);
+    }
+    return agree(status);
+}
+
 double World::processor_seconds() noexcept
 {
     timespec now{};

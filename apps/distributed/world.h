@@ -5,12 +5,14 @@
 #include "base/text.h"
 #include "proxima/result.h"
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <limits>
 #include <mpi.h>
 #include <new>
 #include <span>
+#include <string>
 #include <type_traits>
 #include <utility>
 #include <vector>
@@ -97,13 +99,32 @@ public:
     template <class T>
     [[nodiscard]] Result<Received<T>> all_gather(const std::vector<T>& items)
     {
-        std::vector<std::vector<T>> outgoing;
+        static_assert(std::is_trivially_copyable_v<T>);
+        const auto ranks = static_cast<std::size_t>(size_);
+        const std::uint64_t own = items.size();
+        std::vector<std::uint64_t> sizes(ranks);
+        MPI_Allgather(&own, 1, MPI_UINT64_T, sizes.data(), 1, MPI_UINT64_T, MPI_COMM_WORLD);
+        std::vector<int> counts(ranks), offsets(ranks);
+        Received<T> received;
         const Status status = agree_on([&]() -> Status {
-            outgoing.assign(static_cast<std::size_t>(size_), items);
+            std::size_t total = 0;
+            for (std::size_t r = 0; r < ranks; ++r) {
+                if (sizes[r] > most_items - total) return too_many();
+                received.first.push_back(total);
+                offsets[r] = static_cast<int>(total);
+                counts[r] = static_cast<int>(sizes[r]);
+                total += sizes[r];
+            }
+            received.first.push_back(total);
+            received.items.resize(total);
             return {};
         });
         if (!status) return tl::unexpected(status.error());
-        return exchange(std::move(outgoing));
+        const ItemType<T> type;
+        MPI_Allgatherv(items.data(), static_cast<int>(own), type.value, received.items.data(),
+                       counts.data(), offsets.data(), type.value, MPI_COMM_WORLD);
+        sent_bytes_ += own * sizeof(T) * (ranks - 1);
+        return received;
     }
 
     /// Everything from all ranks, on rank 0; nothing elsewhere.
@@ -115,14 +136,34 @@ public:
         return exchange(std::move(outgoing));
     }
 
+    /// Has rank 0 take the items of all ranks, in the order of the ranks and at most 4 MiB at a time:
+    /// part(first, end) returns this rank's as a span, which take(items) gets there.
+    template <class T, class Part, class Take>
+    void stream_to_first(std::size_t count, const Part& part, const Take& take)
+    {
+        static_assert(std::is_trivially_copyable_v<T>);
+        constexpr std::size_t block = (std::size_t{1} << 22U) / sizeof(T);
+        const auto counts = gather(count);
+        if (rank_ != 0) {
+            for (std::size_t first = 0; first < count; first += block)
+                send_to_first(std::as_bytes(part(first, std::min(count, first + block))));
+            return;
+        }
+        for (std::size_t first = 0; first < count; first += block)
+            take(part(first, std::min(count, first + block)));
+        std::vector<T> items;
+        for (std::size_t rank = 1; rank < counts.size(); ++rank) {
+            for (std::size_t first = 0; first < counts[rank]; first += block) {
+                items.resize(std::min<std::size_t>(block, counts[rank] - first));
+                receive(static_cast<int>(rank), std::as_writable_bytes(std::span(items)));
+                take(std::span<const T>(items));
+            }
+        }
+    }
+
     /// Replaces numbers by their sums over the ranks, the same bits on all of them.
     void sum(std::span<std::int64_t> values);
     void sum(std::span<double> values);
-
-    /// A message to rank 0, which receives it. At most 2^31 bytes; each waits for the other. Not
-    /// collective.
-    void send_to_first(std::span<const std::byte> bytes);
-    static void receive(int rank, std::span<std::byte> bytes);
 
     [[nodiscard]] std::uint64_t sum(std::uint64_t value) const;
     [[nodiscard]] double max(double value) const;
@@ -133,7 +174,33 @@ public:
     /// The values of all ranks, on rank 0; empty elsewhere.
     [[nodiscard]] std::vector<std::uint64_t> gather(std::uint64_t value) const;
 
+    /// Rank 0's value, on all ranks.
+    [[nodiscard]] std::uint64_t from_first(std::uint64_t value) const;
+
+    /// The error that names a file where this rank's hash of it is not that of rank 0.
+    [[nodiscard]] Status expect_same(std::uint64_t hash, const std::string& file) const;
+
 private:
+    /// Of items as bytes.
+    template <class T>
+    struct ItemType {
+        MPI_Datatype value = MPI_DATATYPE_NULL;
+
+        ItemType()
+        {
+            MPI_Type_contiguous(static_cast<int>(sizeof(T)), MPI_BYTE, &value);
+            MPI_Type_commit(&value);
+        }
+        ItemType(const ItemType&) = delete;
+        ItemType& operator=(const ItemType&) = delete;
+        ~ItemType() { MPI_Type_free(&value); }
+    };
+
+    /// A message to rank 0, which receives it. At most 2^31 bytes; each waits for the other. Not
+    /// collective.
+    void send_to_first(std::span<const std::byte> bytes);
+    static void receive(int rank, std::span<std::byte> bytes);
+
     template <class T>
     [[nodiscard]] Result<Received<T>> exchange_items(std::vector<std::vector<T>>& outgoing)
     {
@@ -172,12 +239,9 @@ private:
             return {};
         });
         if (!status) return tl::unexpected(status.error());
-        MPI_Datatype type = MPI_DATATYPE_NULL;
-        MPI_Type_contiguous(static_cast<int>(sizeof(T)), MPI_BYTE, &type);
-        MPI_Type_commit(&type);
-        MPI_Alltoallv(sent.data(), counts.data(), offsets.data(), type, received.items.data(),
-                      in_counts.data(), in_offsets.data(), type, MPI_COMM_WORLD);
-        MPI_Type_free(&type);
+        const ItemType<T> type;
+        MPI_Alltoallv(sent.data(), counts.data(), offsets.data(), type.value, received.items.data(),
+                      in_counts.data(), in_offsets.data(), type.value, MPI_COMM_WORLD);
         return received;
     }
 

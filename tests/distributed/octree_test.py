@@ -26,6 +26,16 @@ def run(ranks, *arguments):
     return subprocess.run(command(ranks, *arguments), capture_output=True, text=True, timeout=SECONDS)
 
 
+def run_apart(*ranks):
+    """One rank for each folder and its arguments."""
+    words = []
+    for folder, arguments in ranks:
+        one = command(1, *arguments)
+        one[one.index(PROGRAM):one.index(PROGRAM)] = ["-wdir", str(folder)]
+        words += [":", *one[one.index("-n"):]] if words else one
+    return subprocess.run(words, capture_output=True, text=True, timeout=SECONDS)
+
+
 def messages(text):
     return [line for line in text.splitlines() if line.startswith("proxima-mpi: ")]
 
@@ -125,13 +135,71 @@ class Errors(DistributedTest):
         bad[-13] = 4
         self.refuse(bytes(bad), "4 corners")
         positions[triangles[-1][0]] = [float("nan"), 0, 0]
-        self.refuse(ply(positions, triangles), "NaN")
+        self.refuse(ply(positions, triangles), "mesh.ply", "NaN")
 
     def test_files_that_are_not_there_or_of_another_kind(self):
         result = run(2, "octree", self.folder / "none.ply")
         self.assertEqual(result.returncode, 1)
         self.assertEqual(result.stderr.count("proxima-mpi: "), 1, result.stderr)
         self.refuse(b"", "torus:NxM", name="mesh.obj")
+        for name, options in (("dir.ply", []), ("dir.pxo", []), ("dir.npy", ["--triangles", self.folder / "dir.npy"])):
+            (self.folder / name).mkdir()
+            result = run(2, "octree", self.folder / name, *options)
+            self.assertEqual(result.returncode, 1, result.stderr)
+            self.assertNotIn("mca_", result.stderr)
+            self.assertRegex(messages(result.stderr)[0], f"{name}: .*folder")
+
+    def test_triangles_beside_another_model(self):
+        triangles = self.file("triangles.npy", npy([[0, 1, 2]], "<i4", "i"))
+        for model in (self.file("mesh.ply", ply(*nasty_mesh(1))), "torus:9x9"):
+            result = run(2, "octree", model, "--triangles", triangles)
+            self.assertEqual(result.returncode, 1, result.stderr)
+            self.assertIn(f"{model}: --triangles goes with vertices in a .npy file", messages(result.stderr)[0])
+
+    def expect_different(self, name, contents, *arguments):
+        folders = [self.folder / str(rank) for rank in range(len(contents))]
+        for folder, content in zip(folders, contents):
+            folder.mkdir(exist_ok=True)
+            (folder / name).write_bytes(content)
+        result = run_apart(*((folder, arguments) for folder in folders))
+        self.assertEqual(result.returncode, 1, result.stderr)
+        self.assertEqual(len(messages(result.stderr)), 1, result.stderr)
+        self.assertIn(f"{name}: rank {len(contents) - 1} reads another content", messages(result.stderr)[0])
+
+    def test_ranks_that_read_different_files(self):
+        """Of one name, in a folder for each rank: of other sizes, and with one bit changed at any place of a small one."""
+        positions, triangles = nasty_mesh(1)
+        mesh = ply(positions, triangles)
+        chance = random.Random(7)
+        others = [ply(*nasty_mesh(2)), mesh[:-1]]
+        for _ in range(2):
+            bad = bytearray(mesh)
+            bad[chance.randrange(200, len(mesh))] ^= 1
+            others.append(bytes(bad))
+        for other in others:
+            self.expect_different("mesh.ply", [mesh, mesh, other], "octree", "mesh.ply")
+        vertices, corners = npy(positions, "<f8", "d"), npy(triangles, "<i4", "i")
+        for folder in ("0", "1"):
+            (self.folder / folder / "corners.npy").write_bytes(corners)
+        self.expect_different("vertices.npy", [vertices, npy([[x + 1 for x in at] for at in positions], "<f8", "d")],
+                              "octree", "vertices.npy", "--triangles", "corners.npy")
+        octrees = []
+        for model in ("torus:40x20", "torus:20x40"):
+            self.proxima("octree", model, "--depth", 5, "--save", self.folder / "octree.pxo")
+            octrees.append((self.folder / "octree.pxo").read_bytes())
+        self.expect_different("octree.pxo", octrees, "octree", "octree.pxo")
+        for folder in ("0", "1"):
+            (self.folder / folder / "mesh.ply").write_bytes(mesh)
+        same = run_apart(*((self.folder / folder, ["octree", "mesh.ply"]) for folder in ("0", "1")))
+        self.assertEqual(same.returncode, 0, same.stderr)
+
+    def test_ranks_with_other_arguments(self):
+        for name in ("a.ply", "b.ply"):
+            self.file(name, ply(*nasty_mesh(1)))
+        result = run_apart((self.folder, ["octree", "a.ply"]), (self.folder, ["octree", "b.ply"]))
+        self.assertEqual(result.returncode, 2, result.stderr)
+        self.assertEqual(len(messages(result.stderr)), 1, result.stderr)
+        self.assertIn("rank 1 has other arguments than rank 0, octree b.ply", messages(result.stderr)[0])
 
     def test_wrong_usage(self):
         for arguments in (["--depth", "19"], ["--routing-depth", "7"], ["--threshold", "-1"]):
@@ -197,6 +265,12 @@ class Saving(DistributedTest):
         self.assertIn("cannot write this file", messages(result.stderr)[0])
         self.assertEqual(file.read_bytes(), b"old")
         self.assertEqual([path.name for path in self.folder.iterdir()], ["old.pxo"])
+
+    def test_the_next_run_removes_what_a_killed_one_left(self):
+        for name, option in (("a.pxo", "--save"), ("a.pvtu", "--out")):
+            left = self.file(".proxima-1-0.tmp", b"left")
+            self.assertEqual(run(2, "octree", "torus:9x9", option, self.folder / name).returncode, 0)
+            self.assertFalse(left.exists())
 
     def test_what_cannot_be_written(self):
         result = run(2, "octree", "torus:9x9", "--save", self.folder / "none" / "a.pxo")
@@ -284,7 +358,7 @@ class Exporting(DistributedTest):
         self.assertEqual(result.returncode, 1, result.stderr)
         self.assertEqual(len(messages(result.stderr)), 1, result.stderr)
         self.assertIn("leaves_1.vtu: cannot write this file", result.stderr)
-        self.assertFalse(path.exists())
+        self.assertEqual([left.name for left in self.folder.iterdir()], ["leaves_1.vtu"])
 
 
 class Stopping(DistributedTest):

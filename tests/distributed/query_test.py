@@ -111,7 +111,7 @@ class Closest(QueryTest):
             self.expect_same("few", positions, triangles, nasty_points(chance, positions, triangles, 60), ranks=(3, 4))
 
     def test_far_from_the_origin_and_sizes(self):
-        for k, (scale, shift) in enumerate([(1.0, 1e9), (1e-150, 0.0), (1e60, 0.0), (1e-9, 1.0)]):
+        for k, (scale, shift) in enumerate([(1.0, 1e9), (1e-150, 0.0), (1e-200, 0.0), (1e60, 0.0), (1e-9, 1.0)]):
             chance = random.Random(SEED + k)
             positions, triangles = nasty_mesh(SEED + k)
             positions = [[x * scale + shift for x in at] for at in positions]
@@ -247,6 +247,19 @@ class Sign(QueryTest):
             inside += sum(float(row[-2]) < 0 for row in self.expect_same(f"open_{k}", mesh, points, ranks=(chance.randrange(1, 5), 3)))
         self.assertGreater(inside, 100)
 
+    def test_open_meshes_from_far_away(self):
+        """Where powers of the distance overflow; and inside of many sheets, though outside of their box."""
+        sheet = [[-1.0, -1.0, 0.0], [3.0, -1.0, 0.0], [-1.0, 3.0, 0.0]]
+        far = [[sign * 10.0 ** k, 0.5, -1.0] for k in (1, 3, 8, 20, 52, 80, 103, 110, 155, 250, 307) for sign in (1, -1)]
+        near = [[0.1, 0.2, sign * 2.0 ** k] for k in range(-8, 12) for sign in (1, -1)]
+        for size in (1.0, 1e-100, 1e90):
+            mesh = join(*([([[x * size for x in at] for at in sheet], [[0, 1, 2]])] * 40))
+            points = far + [[x * size for x in at] for at in near]
+            inside = [float(row[-2]) < 0 for row in self.expect_same("sheets", mesh, points, ranks=(1, 3))]
+            self.assertGreater(sum(inside[len(far):]), 5)
+            if size < 1e90:
+                self.assertFalse(any(inside[:len(far)]))
+
     def test_what_rounding_would_decide(self):
         """A point whose winding number differs from the limit, 1/2 - 2^-40, by less than 2^-42: between one inside and one outside, ever closer."""
         positions, triangles = octahedron([0, 0, 0], 1.0)
@@ -279,6 +292,18 @@ class Tables(QueryTest):
         subprocess.run([PROXIMA, "closest", "torus:9x9", "--points", self.folder / "c.npy", "--out", one], check=True, capture_output=True)
         for out in written:
             self.assertTrue(out.read_bytes() == one.read_bytes(), out)
+
+    def test_many_ranks_hold_no_more_rows_at_once(self):
+        """The first rank reads all rows of a block, and one rank is asked them all."""
+        one = npy([[0.5, 0.25, 2.0]])
+        header = one[:-24].replace(b"(1, 3), }" + b" " * 6, b"(2200000, 3), }")
+        points = self.file("points.npy", header + one[-24:] * 2200000)
+        out = self.folder / "out.npy"
+        result = run(16, "closest", "torus:9x9", "--points", points, "--out", out)
+        self.assertEqual(result.returncode, 0, result.stderr)
+        ranks = [line.split() for line in result.stdout.splitlines() if len(line.split()) == 6 and line.split()[0].isdigit()]
+        self.assertEqual(len(ranks), 16)
+        self.assertLess(max(int(rank[-1]) for rank in ranks), 280)  # MB
 
     def test_meshes_as_arrays(self):
         chance = random.Random(SEED)
