@@ -62,7 +62,8 @@ struct GreatestDeviation {
     /// farthest first, no two within the spacing of each other. None where the distance is 0.
     std::vector<FarPlace> places;
     /// Whether every point of A whose distance is distance.lower or more is within three times the
-    /// spacing of one of the places. False where there are more places than max_places.
+    /// spacing of one of the places. False where there are more places than max_places, or where the
+    /// splits ended. True without places where the distance is 0: none is missing.
     bool has_all_places = false;
     std::uint64_t splits = 0; ///< how often a triangle of A or a part of one was cut
     bool is_complete = false; ///< whether upper - lower is within the tolerance
@@ -80,7 +81,8 @@ struct GreatestDeviationOptions {
     /// In the meshes' unit. 0 = default_spacing times the diagonal of the box about both meshes.
     double place_spacing = 0;
     static constexpr double default_spacing = 0.01;
-    /// Then it ends with the bounds so far. The search for places has as many again.
+    /// Then it ends with the bounds so far. The search for places has as many again, in equal shares to
+    /// the triangles of A that may be as far: but 64 or more for each.
     std::uint64_t max_splits = default_deviation_splits;
     Execution execution = {};
 };
@@ -127,8 +129,10 @@ struct MeanDeviationOptions {
 inline constexpr std::uint32_t max_histogram_bins = 4096;
 
 /// The mean distance of A's points from B, by area. The same bits for any number of threads. About
-/// ten microseconds for each triangle of A and two for each of B that it is close to. Thread safe. Errors:
-/// invalid_mesh (a mesh is empty, or A has no area), invalid_argument (a tolerance below 0 or NaN,
+/// ten microseconds for each triangle of A and two for each of B that it is close to, where triangles
+/// of A are no larger than those of B; where one of A is close to thousands of B, 150 for each of
+/// these. Thread safe. Errors: invalid_mesh (a mesh is empty, or A has no area, or none in doubles
+/// beside the largest coordinate of both), invalid_argument (a tolerance below 0 or NaN,
 /// bins without an end or too many), budget_exceeded, cancelled.
 [[nodiscard]] Result<MeanDeviation> mean_deviation(const MeshIndex& a, const MeshIndex& b,
                                                    const MeanDeviationOptions& options = {});

@@ -68,6 +68,8 @@ class Measuring(ProgramTest):
         self.assertEqual((len(few["places"]), few["all_places"]), (3, False))
         near = self.json_of("deviation", large, small, "--places", "9", "--place-spacing", "6", "--one-sided", "--no-mean")["a_to_b"]
         self.assertEqual((len(near["places"]), near["all_places"]), (1, True))
+        none = self.json_of("deviation", large, large, "--places", "3", "--one-sided", "--no-mean")["a_to_b"]
+        self.assertEqual((none["places"], none["all_places"]), ([], True))
         self.assertIn("there are more", self.succeed("deviation", large, small, "--places", "3", "--no-mean"))
 
     def test_a_pose_moves_b(self):

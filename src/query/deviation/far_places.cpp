@@ -117,6 +117,16 @@ private:
 
 } // namespace
 
+FarPlace far_place(const SurfacePair& pair, const FarPoint& far) noexcept
+{
+    const std::uint32_t row_b = far.nearest.row;
+    return {.distance = pair.from_units(far.nearest.distance),
+            .point_a = pair.from_units(far.point),
+            .point_b = pair.from_units(closest_point(pair.b().triangle(row_b), far.point).point),
+            .triangle_a = pair.a().id(far.row_a),
+            .triangle_b = pair.b().id(row_b)};
+}
+
 void FarPoints::offer(const FarPoint& point, const FarPointLimits& limits)
 {
     const double squared = limits.spacing * limits.spacing;

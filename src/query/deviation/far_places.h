@@ -18,6 +18,9 @@ struct FarPoint {
     std::uint32_t row_a = 0;
 };
 
+/// The same in the meshes' unit, with the point of B closest to it.
+[[nodiscard]] FarPlace far_place(const SurfacePair& pair, const FarPoint& far) noexcept;
+
 struct FarPointLimits {
     double enough = 0;  ///< points as far as this may be named
     double certain = 0; ///< those as far as this must have one of them near

@@ -5,7 +5,7 @@
 #include "proxima/mesh_deviation.h"
 #include "query/deviation/far_places.h"
 #include "query/deviation/measured_part.h"
-#include "query/deviation/near_pieces.h"
+#include "query/deviation/part_search.h"
 #include "query/deviation/surface_pair.h"
 
 #include <algorithm>
@@ -15,52 +15,6 @@
 namespace proxima {
 
 namespace {
-
-/// The point of A farthest from B that is known.
-struct FarthestPoint {
-    NearestRow nearest = {.distance = -1, .row = 0};
-    Vec3 point = Vec3::Zero();
-    std::uint32_t row_a = 0;
-    std::uint32_t cuts = 0;
-
-    void offer(const NearestRow& other, const Vec3& at, std::uint32_t row, std::uint32_t cut_count)
-    {
-        if (!(other.distance > nearest.distance)) return;
-        *this = {.nearest = other, .point = at, .row_a = row, .cuts = cut_count};
-    }
-    void offer(const FarthestPoint& other)
-    {
-        if (other.nearest.distance > nearest.distance) *this = other;
-    }
-};
-
-/// A bound of the distances of pieces that need no more cuts.
-struct SettledBound {
-    double upper = 0;
-    std::uint32_t cuts = 0;
-    bool is_zero = true; ///< all are triangles of B
-
-    void add(double bound, std::uint32_t cut_count)
-    {
-        upper = std::max(upper, bound);
-        cuts = std::max(cuts, cut_count);
-        is_zero = false;
-    }
-    void add(const SettledBound& other)
-    {
-        upper = std::max(upper, other.upper);
-        cuts = std::max(cuts, other.cuts);
-        is_zero = is_zero && other.is_zero;
-    }
-};
-
-/// What a few cuts of one part gave.
-struct PartOutcome {
-    FarthestPoint farthest;
-    SettledBound settled;
-    std::vector<BoundedPart> left;
-    std::uint64_t splits = 0;
-};
 
 class GreatestSearch {
 public:
@@ -80,8 +34,9 @@ public:
             // In order of their bounds: the first that is settled settles all after it.
             const std::size_t count = limited(std::min(batch, order_.size() - first));
             if (count == 0) break;
-            search(count, [&](std::size_t i, NearPieces& pieces, PartOutcome& outcome) {
-                search_triangle(order_[first + i], pieces, outcome);
+            search(count, [&](std::size_t i, PartSearch& parts, PartOutcome& outcome) {
+                const std::uint32_t row = order_[first + i];
+                parts.search_triangle(vertices_, row, uppers_[row], outcome);
             });
             if (is_cancelled(progress)) return stopped();
             advance_stage(progress, count);
@@ -95,8 +50,8 @@ public:
             std::vector<BoundedPart> parts;
             take_pending(count, parts);
             begin_stage(progress, "parts that may be farthest", parts.size());
-            search(parts.size(), [&](std::size_t i, NearPieces& pieces, PartOutcome& outcome) {
-                search_part(parts[i], pieces, outcome);
+            search(parts.size(), [&](std::size_t i, PartSearch& one, PartOutcome& outcome) {
+                one.search_part(parts[i], outcome);
                 advance_stage(progress, 1);
             });
             if (is_cancelled(progress)) return stopped();
@@ -115,7 +70,7 @@ public:
         const double upper = std::max(all.upper, measured) + pair_.rounding(all.cuts);
         const bool is_zero = all.is_zero;
         if (!is_zero) result.distance = pair_.from_units(DistanceBounds{lower, upper});
-        const FarPlace place = place_of({farthest_.point, farthest_.nearest, farthest_.row_a});
+        const FarPlace place = far_place(pair_, farthest_point());
         result.point_a = place.point_a;
         result.point_b = place.point_b;
         result.triangle_a = place.triangle_a;
@@ -127,7 +82,10 @@ public:
     /// All places that are as far, after run().
     Status find_places(GreatestDeviation& result) const
     {
-        if (result.distance.upper == 0) return {};
+        if (result.distance.upper == 0) {
+            result.has_all_places = true;
+            return {};
+        }
         const double certain = greatest() - 2 * most_rounding(pair_);
         std::vector<std::uint32_t> rows;
         for (std::uint32_t row = 0; row < uppers_.size(); ++row)
@@ -136,7 +94,7 @@ public:
                                    ? pair_.to_units(options_.place_spacing)
                                    : GreatestDeviationOptions::default_spacing * pair_.diagonal();
         const auto found = far_points(
-            pair_, vertices_, rows, {farthest_.point, farthest_.nearest, farthest_.row_a},
+            pair_, vertices_, rows, farthest_point(),
             {.enough = greatest() - tolerance_,
              .certain = certain,
              .spacing = spacing,
@@ -145,31 +103,25 @@ public:
              .tolerance = tolerance_},
             options_.execution);
         if (!found) return tl::unexpected(found.error());
-        for (const FarPoint& point : found->points) result.places.push_back(place_of(point));
+        for (const FarPoint& point : found->points)
+            result.places.push_back(far_place(pair_, point));
         result.has_all_places = found->are_all;
         result.splits += found->splits;
         return {};
     }
 
 private:
-    [[nodiscard]] double greatest() const noexcept { return farthest_.nearest.distance; }
-    [[nodiscard]] FarPlace place_of(const FarPoint& far) const
+    [[nodiscard]] FarPoint farthest_point() const noexcept
     {
-        const std::uint32_t row_b = far.nearest.row;
-        return {.distance = pair_.from_units(far.nearest.distance),
-                .point_a = pair_.from_units(far.point),
-                .point_b =
-                    pair_.from_units(closest_point(pair_.b().triangle(row_b), far.point).point),
-                .triangle_a = pair_.a().id(far.row_a),
-                .triangle_b = pair_.b().id(row_b)};
+        return {farthest_.point, farthest_.nearest, farthest_.row_a};
     }
+    [[nodiscard]] double greatest() const noexcept { return farthest_.nearest.distance; }
 
     static constexpr std::uint64_t most_local_splits = 1024;
-    static constexpr std::uint32_t most_cuts = 250;
 
     static double most_rounding(const SurfacePair& pair) noexcept
     {
-        return pair.rounding(most_cuts);
+        return pair.rounding(PartSearch::most_cuts);
     }
 
     static tl::unexpected<Error> stopped() { return cancelled("measuring the greatest deviation"); }
@@ -256,10 +208,10 @@ private:
         const std::uint64_t bytes = std::min(all, NearPieces::most_bytes);
         parallel_chunks(count, chunk, at_most(options_.execution.threads, all / bytes),
                         [&](std::size_t first, std::size_t end) {
-                            NearPieces pieces(pair_, tolerance_, bytes);
+                            PartSearch search(pair_, tolerance_, greatest(), local_splits_, bytes);
                             for (std::size_t i = first; i < end; ++i) {
                                 if (is_cancelled(options_.execution.progress)) return;
-                                search_one(i, pieces, outcomes[i]);
+                                search_one(i, search, outcomes[i]);
                             }
                         });
         // In the order of the parts, whatever thread was first.
@@ -276,94 +228,6 @@ private:
                     settled_.add(some.upper, some.part.cuts);
                 }
             }
-        }
-    }
-
-    void search_triangle(std::uint32_t row, NearPieces& pieces, PartOutcome& outcome) const
-    {
-        const double upper = uppers_[row];
-        if (!(upper > limit() || greatest() == 0)) {
-            outcome.settled.add(upper, 0);
-            return;
-        }
-        BoundedPart whole = bounded_triangle(pair_, vertices_, row);
-        const auto& [p, q, r] = whole.part.corners;
-        const Vec3 centroid = (p + q + r) / 3;
-        const NearestRow nearest = pair_.nearest(centroid, whole.part.reach(centroid));
-        if (is_row_of_b(pair_, whole.part.corners, nearest.row)) return;
-        outcome.farthest.offer(nearest, centroid, row, 1);
-        whole.upper = std::min(whole.upper, upper_by(pair_, whole.part, nearest.row));
-        search_part(whole, pieces, outcome);
-    }
-
-    struct BoundedPiece {
-        NearPiece piece;
-        double upper = 0;
-    };
-
-    /// A few cuts, always of the piece with the largest bound.
-    void search_part(const BoundedPart& start, NearPieces& pieces, PartOutcome& outcome) const
-    {
-        const auto most = [&] {
-            return std::max(greatest(), outcome.farthest.nearest.distance) + tolerance_;
-        };
-        if (start.part.cuts >= most_cuts || !(start.upper > most())) {
-            outcome.settled.add(start.upper, start.part.cuts);
-            return;
-        }
-        NearPiece whole;
-        if (!pieces.start(start.part, whole)) {
-            halve(start, outcome);
-            return;
-        }
-        std::vector<BoundedPiece> heap = {{whole, std::min(pieces.upper(whole), start.upper)}};
-        for (std::uint64_t splits = 0; !heap.empty(); ++splits) {
-            if (!(heap.front().upper > most()) || splits == local_splits_ || pieces.is_full())
-                break;
-            std::ranges::pop_heap(heap, HasLowerBound());
-            const BoundedPiece highest = heap.back();
-            heap.pop_back();
-            if (highest.piece.cuts >= most_cuts) {
-                outcome.settled.add(highest.upper, highest.piece.cuts);
-                continue;
-            }
-            const auto [parts, corner] = pieces.split(highest.piece);
-            ++outcome.splits;
-            offer_corner(pieces.part(parts[0]), corner, start.row_a, outcome);
-            for (const NearPiece& piece : parts) {
-                heap.push_back({piece, std::min(pieces.upper(piece), highest.upper)});
-                std::ranges::push_heap(heap, HasLowerBound());
-            }
-        }
-        outcome.left.reserve(heap.size());
-        for (const auto& [piece, upper] : heap) {
-            if (upper > most()) {
-                outcome.left.push_back({pieces.part(piece), start.row_a, upper});
-            } else {
-                outcome.settled.add(upper, piece.cuts);
-            }
-        }
-    }
-
-    /// The corner that a cut made, where it may be farther than all before.
-    void offer_corner(const MeasuredPart& part, std::size_t corner, std::uint32_t row_a,
-                      PartOutcome& outcome) const
-    {
-        const double distance = part.nearest[corner].distance;
-        if (!(distance > std::max(greatest(), outcome.farthest.nearest.distance))) return;
-        const Vec3& point = part.corners[corner];
-        outcome.farthest.offer(pair_.nearest(point, distance), point, row_a, part.cuts);
-    }
-
-    void halve(const BoundedPart& start, PartOutcome& outcome) const
-    {
-        const MeasuredPart::Halves halves = start.part.halves(pair_);
-        ++outcome.splits;
-        outcome.farthest.offer(halves.nearest, halves.corner, start.row_a, start.part.cuts + 1);
-        for (const MeasuredPart& half : halves.parts) {
-            BoundedPart some = bounded_part(pair_, half, start.row_a);
-            some.upper = std::min(some.upper, start.upper);
-            outcome.left.push_back(some);
         }
     }
 

@@ -55,6 +55,21 @@ Status check_options(const MeanDeviationOptions& options)
     return {};
 }
 
+/// Whether some triangle has an area, however small.
+bool has_area(const MeshIndex& mesh)
+{
+    const IndexParts& parts = mesh.parts();
+    for (std::uint32_t row = 0; row < parts.triangle_count(); ++row) {
+        const Triangle triangle = parts.triangle(row);
+        const Vec3 u = triangle[1] - triangle[0];
+        const Vec3 v = triangle[2] - triangle[0];
+        const double u_size = u.cwiseAbs().maxCoeff();
+        const double v_size = v.cwiseAbs().maxCoeff();
+        if (u_size > 0 && v_size > 0 && (u / u_size).cross(v / v_size) != Vec3::Zero()) return true;
+    }
+    return false;
+}
+
 /// The interval about both bounds that rounding may have moved them out of, no part of it below 0.
 DistanceBounds widened(double lower, double upper, double rounding)
 {
@@ -148,8 +163,13 @@ Result<MeanDeviation> mean_deviation(const MeshIndex& a, const MeshIndex& b,
 
     const double area = sums.area.value();
     if (!(area > 0)) {
-        return fail(ErrorCode::invalid_mesh,
-                    "the mesh has no area: there is no mean of distances from it", "a");
+        return fail(
+            ErrorCode::invalid_mesh,
+            has_area(a)
+                ? "the mesh's area is too small for doubles beside the largest "
+                  "coordinate of both meshes: bring them nearer to each other's size and place"
+                : "the mesh has no area: there is no mean of distances from it",
+            "a");
     }
     // Areas that are off shift the mean towards some distances, which are all below the farthest.
     const double shift = std::min(2 * sums.area_error.value() / area, 1.0) * sums.farthest;

@@ -67,7 +67,6 @@ public:
 
     /// A piece as a part that starts anew.
     [[nodiscard]] MeasuredPart part(const NearPiece& piece) const noexcept;
-    [[nodiscard]] const Vec3& origin() const noexcept { return origin_; }
 
 private:
     static constexpr std::size_t most_rows = 256;

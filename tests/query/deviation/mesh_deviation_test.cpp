@@ -497,6 +497,14 @@ TEST(MeshDeviation, CanBeCancelledAndRefusesBadArguments)
         mean_deviation(index_of(mesh_of({Vec3(0, 0, 0), Vec3(1, 1, 1)}, {{0, 1, 1}})), b);
     ASSERT_FALSE(no_area);
     EXPECT_EQ(no_area.error().code, ErrorCode::invalid_mesh);
+    EXPECT_NE(no_area.error().message.find("has no area"), std::string::npos);
+    // An area that is there, but lost beside the other mesh.
+    const TriangleMesh cube = cube_mesh(Vec3::Zero(), 1);
+    const auto lost = mean_deviation(
+        index_of(cube), index_of(moved(cube, [](const Vec3& p) { return Vec3(1e100 * p); })));
+    ASSERT_FALSE(lost);
+    EXPECT_EQ(lost.error().code, ErrorCode::invalid_mesh);
+    EXPECT_NE(lost.error().message.find("too small"), std::string::npos) << lost.error().message;
 }
 
 } // namespace
