@@ -7,6 +7,7 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
+#include <charconv>
 #include <cmath>
 #include <fmt/format.h>
 #include <numbers>
@@ -70,6 +71,21 @@ Result<RigidTransform> turned(std::span<const double> moved, std::span<const dou
     return pose;
 }
 
+/// Of a list with commas: "nan", "inf" or what no double is, 1e999, among numbers alone.
+bool has_number_not_finite(std::string_view text)
+{
+    if (text.find(',') == std::string_view::npos) return false;
+    bool found = false;
+    for (const std::string& part : split_list(text.substr(0, text.find('@')))) {
+        const char* const end = part.data() + part.size();
+        double number = 0;
+        const auto parsed = std::from_chars(part.data(), end, number);
+        if (parsed.ec == std::errc::invalid_argument || parsed.ptr != end) return false;
+        found = found || parsed.ec == std::errc::result_out_of_range || !std::isfinite(number);
+    }
+    return found;
+}
+
 } // namespace
 
 Result<Poses> parse_pose(std::string_view text)
@@ -105,6 +121,9 @@ Result<Poses> read_poses(const std::string& path_or_pose, Session& session)
     const bool is_pose = text.find(',') != std::string_view::npos &&
                          parse_finite_numbers(text.substr(0, text.find('@'))).has_value();
     if (is_pose) return parse_pose(text);
+    if (has_number_not_finite(text))
+        return refuse(concat(
+            "'", text, "' has a number that is NaN, infinite or beyond doubles: give finite ones"));
     const auto table = session.load_table(path_or_pose, {pose_layouts});
     if (!table) return tl::unexpected(table.error());
     Poses poses;

@@ -68,6 +68,7 @@ struct SolidOptions {
 };
 
 /// Prepares a mesh for contacts; adds signs where the index has none. Vertices at one position are one.
+/// The solid is what the surface winds round, either way, as encloses tells it, and the surface.
 /// Components face outward, or inward where they bound a cavity: such a one touches neither another component
 /// nor itself, and lies inside of what the others fill.
 /// Errors: invalid_mesh (an empty index; a mesh that is open, not consistently oriented, or with a

@@ -59,8 +59,8 @@ inline constexpr double max_motion_turn = 65536;
 enum class ContactEvidence : std::uint8_t {
     intersection, ///< the meshes meet at touches_at, as meshes_intersect decides, exactly
     /// They are nearer at free_until than roundings of their coordinates, and do not meet at the times
-    /// that were tried: the tolerance and 4, 16 and 64 margins (below) later. Contact can be neither
-    /// shown nor excluded.
+    /// that were tried: the tolerance and 4, 16, 64, ... margins (below) later, up to 2^-10 of the time
+    /// or 64 margins. Contact can be neither shown nor excluded.
     rounding,
     steps,    ///< max_steps were taken: free_until is as far as they got, 0 perhaps
     cancelled ///< the progress asked to stop: likewise
@@ -70,9 +70,10 @@ struct TimeOfContact {
     /// B does not touch A from 0 up to this time, at any time between: proven, roundings included. 0
     /// where they meet at the start.
     double free_until = 0;
-    /// A time at which they meet; the first contact is between the two. At most the tolerance later, or
-    /// the time in which the fastest point of B moves by 64 margins (below), or the next double, the
-    /// latest of these. Infinity where the evidence is no intersection.
+    /// A time at which they meet; the first contact is between the two. At most the tolerance later where
+    /// B comes nearer faster than roundings hide. Where it does not, as where it grazes A, at most 2^-10
+    /// later, or the time in which the fastest point of B moves by 64 margins (below), or the next double,
+    /// the latest of these. Infinity where the evidence is no intersection.
     double touches_at = 0;
     ContactEvidence evidence = ContactEvidence::intersection;
 
@@ -96,7 +97,7 @@ struct TimeOfContactOptions {
 
 /// The first contact of A with B along the motion; nothing where there is none, proven for every time
 /// from 0 to 1, or where a mesh is empty. The proof holds for the motion as defined, and for B's
-/// vertices as pose_at rounds them. Its margin is 2^-45 (1 + angle / 4) of the coordinates, those of
+/// vertices as pose_at rounds them. Its margin is 3^(1/2) 2^-45 (1 + angle / 4) of the coordinates, those of
 /// the path and the center included: what passes A at less ends the search by `rounding`. Real-time
 /// safe: noexcept, no allocation, no lock, 0.3 MB of stack; any number of threads. 0.2 to 0.6 ms, median, of
 /// scans; 1 us for each pair of triangles that slide along each other and whose surfaces are curved: bound

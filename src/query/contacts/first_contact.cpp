@@ -162,14 +162,47 @@ FirstContactSearch::FirstContactSearch(const IndexParts& a, const IndexParts& b,
 
 FirstContact FirstContactSearch::find() noexcept
 {
-    if (bounds_.fastest() == 0) return found_;
-    // Long motions in pieces: blocks that come near each other are not taken apart for good.
+    if (bounds_.is_at_rest()) return found_;
+    // Long motions in pieces: blocks that come near each other are not taken apart for good. Pieces of an
+    // eighth of the smaller mesh at first, then twice or half as long, whichever takes fewer steps for its
+    // time: where little is near, their number grows only with the logarithm of the way.
     constexpr double sizes = 0.125;
     constexpr double shortest = 0x1p-40;
-    const double window = std::max(shortest, sizes * bounds_.size() / bounds_.fastest());
+    const double least = std::clamp(sizes * bounds_.size() / bounds_.fastest(), shortest, 1.0);
+    constexpr double widest = 0.25; // radians: what turns farther is bounded badly
+    const double angle = motion_.turn.stableNorm();
+    const double most = angle > widest ? std::max(least, widest / angle) : 1.0;
+    double window = least;
+    double factor = 2;
+    double steps_a_time = HUGE_VAL;
+    std::uint32_t last_steps = 0;
+    int in_a_row = 0; // pieces in which blocks were opened
     double time = 0;
-    while (time < 1 && found_.end == SearchEnd::free)
-        time = search_window(time, std::min(1.0, time + window));
+    while (time < 1 && found_.end == SearchEnd::free) {
+        const std::uint32_t before = found_.steps;
+        const double end = std::min(1.0, time + window);
+        give_up_at_ = window == least ? UINT32_MAX : before + 128 + 2 * last_steps;
+        const double free_until = search_window(time, end);
+        last_steps = found_.steps - before;
+        ++in_a_row;
+        if (free_until > end) { // far from everything: as good as it gets
+            window = std::max(least, window / 2);
+            in_a_row = 0;
+        } else if (free_until < end) { // given up
+            window = std::max(least, window / 4);
+            steps_a_time = HUGE_VAL;
+        } else if (in_a_row > 4) {
+            const double now = last_steps / (end - time);
+            if (window == least) {
+                factor = 2;
+            } else if (now > steps_a_time) {
+                factor = 1 / factor;
+            }
+            steps_a_time = now;
+            window = std::clamp(factor * window, least, most);
+        }
+        time = free_until;
+    }
     return found_;
 }
 
@@ -201,11 +234,27 @@ double FirstContactSearch::search_window(double start, double end) noexcept
         }
         current_ = at.time;
         if (is_out_of_steps()) return limit_;
+        if (found_.steps >= give_up_at_ && found_.end == SearchEnd::free)
+            return give_up(at, start, end);
         ++found_.steps;
         const bool both_leaves = (at.reference_a & at.reference_b & index_leaf_bit) != 0;
         both_leaves ? look_at_leaves(at) : open(at);
     }
     return limit_;
+}
+
+double FirstContactSearch::give_up(const PendingBlocks& at, double start, double end) noexcept
+{
+    double free_until = at.time;
+    std::uint64_t left = at.share;
+    while (!pending_.empty()) {
+        const PendingBlocks other = pending_.pop();
+        free_until = std::min(free_until, other.time);
+        left += other.share;
+    }
+    const std::uint64_t done = share_until(end) - share_until(start) - left;
+    ahead_ += done - std::min(done, share_until(free_until) - share_until(start));
+    return free_until;
 }
 
 void FirstContactSearch::open(const PendingBlocks& at) noexcept
@@ -375,7 +424,9 @@ bool FirstContactSearch::is_out_of_steps() noexcept
 
 void FirstContactSearch::dismiss(std::uint64_t share) noexcept
 {
-    if (progress_ != nullptr) (void)stage_.done(share);
+    const std::uint64_t known = std::min(share, ahead_);
+    ahead_ -= known;
+    if (progress_ != nullptr) (void)stage_.done(share - known);
 }
 
 } // namespace proxima

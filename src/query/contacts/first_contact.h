@@ -67,8 +67,11 @@ private:
         std::uint64_t share; ///< of the progress
     };
 
-    /// Returns up to when all are free, `end` at least, or when the first pair is about to touch.
+    /// Returns up to when all are free, or when the first pair is about to touch. Before `end`, and with
+    /// `found_.end` free, where it took too many steps.
     double search_window(double start, double end) noexcept;
+    /// Returns up to when all that is pending is free.
+    double give_up(const PendingBlocks& at, double start, double end) noexcept;
     void open(const PendingBlocks& at) noexcept;
     void look_at_leaves(const PendingBlocks& at) noexcept;
     void advance(std::uint32_t row_a, std::uint32_t row_b, const MovedFrame& start) noexcept;
@@ -88,10 +91,12 @@ private:
     Progress* progress_;
     StageSteps stage_;
     FirstContact found_;
-    double limit_ = 1;   ///< the end of the window, or when the first pair found is about to touch
-    double enough_ = 1;  ///< this, or so little earlier that it makes no difference
-    double current_ = 0; ///< what is being looked at is free up to this
-    Vec3 recent_ = Vec3::Zero(); ///< along which triangles were apart last
+    double limit_ = 1;  ///< the end of the window, or when the first pair found is about to touch
+    double enough_ = 1; ///< this, or so little earlier that it makes no difference
+    std::uint32_t give_up_at_ = 0; ///< steps
+    std::uint64_t ahead_ = 0;      ///< of the progress, counted in a window that was given up
+    double current_ = 0;           ///< what is being looked at is free up to this
+    Vec3 recent_ = Vec3::Zero();   ///< along which triangles were apart last
     bool is_stopped_ = false;
     // Opening a block replaces a pair by eight at most, and each mesh has max_levels of them.
     FixedStack<PendingBlocks, 7 * 2 * IndexParts::max_levels + 1> pending_;

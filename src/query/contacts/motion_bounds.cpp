@@ -64,7 +64,8 @@ Vec3 vector_of(const std::array<float, 3>& v)
 // map, moved corners by that much of |p| + |center| and by 8 u S. This counts twice, for the poses
 // before and after the step. Distances, projections of corners and of boxes, which are drawn outward by more than
 // what their centers and extents as read are off, are off by 32 u S at most, and so
-// is the step's own arithmetic. Together less than u S (128 + 32 angle); the margin is twice that.
+// is the step's own arithmetic. Together less than u S (128 + 32 angle); the margin is twice that. Lengths
+// are about 1, so that squares which vanish are of what is far below the margin.
 MotionBounds::MotionBounds(const IndexParts& a, const IndexParts& b,
                            const RigidMotion& motion) noexcept
     : a_(a), b_(b), motion_(motion), angle_(motion.turn.stableNorm()),
@@ -89,11 +90,13 @@ MotionBounds::MotionBounds(const IndexParts& a, const IndexParts& b,
     double turning = 0;
     for (const Vec3& corner : corners_b) {
         const Vec3 arm = motion.start.rotation * ((corner - motion.center) * unit_);
-        turning = std::max(turning, motion.turn.cross(arm).norm());
+        turning = std::max(turning, motion.turn.cross(arm).stableNorm());
     }
-    fastest_ = (displacement_.norm() + turning) * (1 + 0x1p-40);
+    if (is_at_rest()) return;
+    constexpr double least = std::numeric_limits<double>::min(); // products may have vanished
+    fastest_ = std::max(least, (displacement_.stableNorm() + turning) * (1 + 0x1p-40));
     const auto diagonal = [&](const std::array<Vec3, 8>& corners) {
-        return ((corners.back() - corners.front()) * unit_).norm();
+        return ((corners.back() - corners.front()) * unit_).stableNorm();
     };
     size_ = std::min(diagonal(corners_a), diagonal(corners_b));
 }

@@ -100,7 +100,13 @@ public:
     [[nodiscard]] double least_within(const Along& along, const Triangle& b,
                                       const MovedFrame& frame, double within) const noexcept;
 
-    /// Lengths of sides of the smaller mesh's box, and the way of the fastest point over the whole motion.
+    /// Whether B does not move at all.
+    [[nodiscard]] bool is_at_rest() const noexcept
+    {
+        return motion_.displacement.isZero(0) && motion_.turn.isZero(0);
+    }
+    /// The diagonal of the smaller mesh's box, and the way of the fastest point over the whole motion: above
+    /// 0 but where B is at rest.
     [[nodiscard]] double size() const noexcept { return size_; }
     [[nodiscard]] double fastest() const noexcept { return fastest_; }
     /// The time in which the fastest point moves as far as roundings let nothing be said.

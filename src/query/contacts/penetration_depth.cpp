@@ -157,7 +157,9 @@ private:
     {
         const DeepestPoint found =
             find_deepest_point(a_, b_, pose_, options_.max_points, options_.execution.progress);
-        answer_.lower = std::max(0.0, found.depth * (1 - stretch()) - 2 * slack_);
+        constexpr double least = 1e-150; // of what is smaller, squares of distances vanish
+        if (found.depth >= least)
+            answer_.lower = std::max(0.0, found.depth * (1 - stretch()) - 2 * slack_);
         answer_.deepest = found.depth > 0 ? found.point : point_of_both();
     }
 

@@ -6,7 +6,6 @@
 #include "query/contacts/first_contact.h"
 
 #include <algorithm>
-#include <array>
 #include <limits>
 
 namespace proxima {
@@ -31,18 +30,24 @@ ContactEvidence evidence_of(SearchEnd end)
     return ContactEvidence::intersection;
 }
 
-/// A time at which they meet, within the tolerance or where roundings end; infinity where they do not.
+/// A time at which they meet, within the tolerance or a little later, where roundings hide less and less;
+/// infinity where they do not.
 double meeting_after(const MeshIndex& a, const MeshIndex& b, const RigidMotion& motion, double time,
                      double tolerance, double rounding)
 {
-    std::array<double, 4> probes = {tolerance, 4 * rounding, 16 * rounding, 64 * rounding};
-    std::ranges::sort(probes);
     MeshMeeting meeting;
-    for (const double within : probes) {
+    const auto meets_at = [&](double within) {
         const double probe = std::min(1.0, std::max(time + within, std::nextafter(time, 2.0)));
-        if (find_meeting(a, b, pose_at(motion, probe), {.start_from = &meeting})) return probe;
+        return find_meeting(a, b, pose_at(motion, probe), {.start_from = &meeting}) ? probe : never;
+    };
+    const double at_once = meets_at(tolerance);
+    constexpr double latest = 0x1p-10;
+    const double last = std::max(latest, 64 * rounding);
+    for (double within = 4 * rounding; within <= last && time + within < at_once; within *= 4) {
+        if (const double found = meets_at(within); found < never) return found;
+        if (time + within >= 1) break;
     }
-    return never;
+    return at_once;
 }
 
 /// What is known of B at a time.

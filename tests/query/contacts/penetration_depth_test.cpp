@@ -8,6 +8,8 @@
 
 #include <cmath>
 #include <gtest/gtest.h>
+#include <utility>
+#include <vector>
 
 namespace proxima {
 namespace {
@@ -344,6 +346,48 @@ TEST(PenetrationDepth, WorksForTinyMeshesAndRefusesHugeOnes)
                                   })).value());
     ASSERT_FALSE(huge);
     EXPECT_EQ(huge.error().code, ErrorCode::limit_exceeded);
+}
+
+TEST(PenetrationDepth, OfTheTiniestHasNoLowerBound)
+{
+    for (double size = 1e-152; size > 1e-166; size *= 0.3) {
+        const auto scale = [&](const Vec3& p) { return Vec3(size * p); };
+        const Solid torus = solid_of(moved(make_torus(12, 8), scale));
+        const Solid cube = solid_of(moved(make_cube(), scale));
+        const auto found = penetration_depth(torus, cube, moved_by(Vec3(1.5 * size, 0, 0)));
+        ASSERT_TRUE(found);
+        EXPECT_EQ(found->lower, 0) << size;
+        EXPECT_GT(found->upper, 0) << size;
+    }
+}
+
+TEST(PenetrationDepth, TakesWhatIsWoundRoundTheOtherWayForFilled)
+{
+    // A pocket in a cube's top goes down through its bottom: below, the winding number is -1.
+    std::vector<Vec3> points;
+    for (const double z : {0.0, 2.0})
+        for (const auto& [x, y] : {std::pair(0.0, 0.0), {2.0, 0.0}, {2.0, 2.0}, {0.0, 2.0}})
+            points.emplace_back(x, y, z);
+    for (const double z : {2.0, -3.0})
+        for (const auto& [x, y] : {std::pair(0.5, 0.5), {1.5, 0.5}, {1.5, 1.5}, {0.5, 1.5}})
+            points.emplace_back(x, y, z);
+    std::vector<TriangleCorners> triangles = {{0, 3, 2}, {0, 2, 1}, {12, 13, 14}, {12, 14, 15}};
+    for (std::uint32_t layer = 0; layer < 12; layer += 4) {
+        for (std::uint32_t i = 0; i < 4; ++i) {
+            const std::uint32_t at = layer + i;
+            const std::uint32_t next = layer + (i + 1) % 4;
+            triangles.push_back({at, next, next + 4});
+            triangles.push_back({at, next + 4, at + 4});
+        }
+    }
+    const Solid pocket = solid_of(mesh_of(std::move(points), std::move(triangles)));
+    const Solid small = solid_of(cube_mesh(Vec3(1, 1, -2), 0.0625));
+    EXPECT_TRUE(solids_overlap(pocket, small));
+    EXPECT_FALSE(solids_overlap(pocket, small, moved_by(Vec3(0, 0, 3)))); // in the pocket
+    const auto found = penetration_depth(pocket, small, {});
+    ASSERT_TRUE(found);
+    expect_true_bounds(pocket, small, {}, *found);
+    EXPECT_NEAR(found->upper, 0.5625, 1e-5);
 }
 
 TEST(PenetrationDepth, IsCancelled)

@@ -11,7 +11,9 @@
 
 #include <cmath>
 #include <gtest/gtest.h>
+#include <limits>
 #include <numbers>
+#include <utility>
 
 namespace proxima {
 namespace {
@@ -433,6 +435,66 @@ TEST(TimeOfContact, WorksForHugeAndTinyCoordinates)
                                   .displacement = Vec3(4 * size, 0, 0)};
         EXPECT_FALSE(time_of_contact(cube, cube, away)) << size;
     }
+}
+
+TEST(TimeOfContact, IsFoundForMotionsWhoseSquaresVanish)
+{
+    const MeshIndex floor =
+        slabs_of(mesh_of({Vec3(-1, -1, 0), Vec3(2, -1, 0), Vec3(0, 3, 0)}, {{0, 1, 2}}));
+    const double least = std::numeric_limits<double>::denorm_min();
+    for (const auto& [height, by] : {std::pair(1e-170, 1e-165), {1e-310, 1e-300}, {least, least}}) {
+        const MeshIndex tip = slabs_of(
+            mesh_of({Vec3(0.3, 0.3, height), Vec3(0.3, 0.4, 1), Vec3(0.4, 0.3, 1)}, {{0, 1, 2}}));
+        for (const RigidMotion& motion : {RigidMotion{.displacement = Vec3(0, 0, -by)},
+                                          RigidMotion{.turn = Vec3(-8 * by, 0, 0)}}) {
+            const auto found = time_of_contact(floor, tip, motion);
+            ASSERT_TRUE(found) << height;
+            EXPECT_EQ(found->evidence, ContactEvidence::intersection) << height;
+            EXPECT_TRUE(meshes_intersect(floor, tip, pose_at(motion, found->touches_at)));
+            EXPECT_FALSE(meshes_intersect(floor, tip, found->free_pose));
+        }
+        EXPECT_FALSE(time_of_contact(floor, tip, {})) << height;
+    }
+}
+
+TEST(TimeOfContact, TakesFewStepsForLongWaysOfSmallMeshes)
+{
+    const auto sized = [](const TriangleMesh& mesh, double size) {
+        return moved(mesh, [&](const Vec3& p) { return Vec3(size * p); });
+    };
+    const MeshIndex room = slabs_of(sized(make_cube(), 1e9));
+    const MeshIndex shell = slabs_of(make_icosphere(4));
+    const MeshIndex point =
+        slabs_of(mesh_of({Vec3::Zero(), Vec3::Zero(), Vec3::Zero()}, {{0, 1, 2}}));
+    EXPECT_FALSE(
+        time_of_contact(room, point, {.displacement = Vec3(5e8, 1e8, 0)}, {.max_steps = 2000}));
+    for (const double size : {1e-3, 1e-6, 1e-8}) {
+        const MeshIndex cube = slabs_of(sized(make_cube(), size));
+        const RigidMotion inside = {.start = shifted(-0.8, 0.1, 0),
+                                    .displacement = Vec3(1.6, 0, 0)};
+        EXPECT_FALSE(time_of_contact(shell, cube, inside, {.max_steps = 5000})) << size;
+        const RigidMotion through = {.start = shifted(-0.8, 0.1, 0), .displacement = Vec3(9, 0, 0)};
+        const auto found = time_of_contact(shell, cube, through, {.max_steps = 5000});
+        ASSERT_TRUE(found) << size;
+        EXPECT_EQ(found->evidence, ContactEvidence::intersection) << size;
+        expect_free_before(shell, cube, through, found, 1000);
+    }
+}
+
+TEST(TimeOfContact, ShowsContactsThatBeginSlowly)
+{
+    // A corner passes at 1.41421356237, and is in the wall for 6e-5 of the time.
+    const MeshIndex wall = slabs_of(moved(make_cube(), [](const Vec3& p) {
+        return Vec3(p.x() < 0 ? 1.414213561 : 2, 5 * p.y(), 5 * p.z());
+    }));
+    const MeshIndex cube = slabs_of(make_cube());
+    const RigidMotion motion = {.turn = Vec3(0, 0, std::numbers::pi / 2)};
+    const auto found = time_of_contact(wall, cube, motion);
+    ASSERT_TRUE(found);
+    EXPECT_EQ(found->evidence, ContactEvidence::intersection);
+    EXPECT_TRUE(meshes_intersect(wall, cube, pose_at(motion, found->touches_at)));
+    EXPECT_LE(found->touches_at - found->free_until, 1e-3);
+    expect_free_before(wall, cube, motion, found, 1000);
 }
 
 TEST(TimeOfContact, TakesNoMoreStepsThanAllowed)
