@@ -25,9 +25,12 @@ RigidMotion motion_between(const RigidTransform& from, const RigidTransform& to,
                            const Vec3& center) noexcept
 {
     RigidMotion motion = {.start = from, .center = center};
+    if (from.rotation == to.rotation) { // nor is what is small beside the center lost
+        motion.displacement = to.translation - from.translation;
+        return motion;
+    }
     motion.displacement = to(center) - from(center);
     const Mat3 turned = to.rotation * from.rotation.transpose();
-    if (from.rotation == to.rotation) return motion;
     // Of the quaternion and its negative, the one that turns by half a revolution at most.
     Eigen::Quaterniond quaternion(turned);
     if (quaternion.w() < 0) quaternion.coeffs() *= -1;
