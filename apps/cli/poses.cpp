@@ -71,7 +71,7 @@ Result<RigidTransform> turned(std::span<const double> moved, std::span<const dou
     return pose;
 }
 
-/// Of a list with commas: "nan", "inf" or what no double is, 1e999, among numbers alone.
+/// Whether the text is a list of numbers, with commas, of which one is "nan", "inf" or too large for a double (1e999).
 bool has_number_not_finite(std::string_view text)
 {
     if (text.find(',') == std::string_view::npos) return false;

@@ -48,7 +48,7 @@ public:
     open(const TableSource& source, const TableForm& form,
          Status (*check_row)(const NumberTable& table, std::size_t row), World& world);
 
-    /// Of the whole table.
+    /// How many rows the whole table has.
     [[nodiscard]] std::uint64_t rows() const noexcept { return rows_; }
 
     /// A block, and this rank's rows of it.

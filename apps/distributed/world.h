@@ -181,7 +181,7 @@ public:
     [[nodiscard]] Status expect_same(std::uint64_t hash, const std::string& file) const;
 
 private:
-    /// Of items as bytes.
+    /// The type by which MPI sends items of type T: their bytes.
     template <class T>
     struct ItemType {
         MPI_Datatype value = MPI_DATATYPE_NULL;
@@ -245,7 +245,7 @@ private:
         return received;
     }
 
-    /// Of the calling thread so far.
+    /// The processor time that the calling thread has taken so far.
     [[nodiscard]] static double processor_seconds() noexcept;
 
     static constexpr std::size_t most_items = std::numeric_limits<int>::max();

@@ -111,7 +111,7 @@ struct SceneOptions {
         {}; ///< budget: arrays and scratch, 700 bytes per instance, 2.5 KB per shape
 };
 
-/// The same bits for any number of threads. About 0.6 us per instance of 10,000 on one thread, and 5 ns
+/// Results have the same bits for any number of threads. About 0.6 us per instance of 10,000 on one thread, and 5 ns
 /// per triangle of each shape; 250 bytes per instance. Errors: invalid_argument (a shape out of range,
 /// a pose that is not rigid or takes the shape beyond max_scene_coordinate; it names the instance),
 /// limit_exceeded (more than max_instances), budget_exceeded, cancelled.
@@ -121,8 +121,8 @@ struct SceneOptions {
 
 /// The scene with a pose for each instance in place of the one it had: shapes and layers are shared, and
 /// the tree keeps its order, so that queries are slower the farther neighbours moved apart: build again
-/// when they are too slow. `scene` stays as it was. A quarter of the time of build_scene, less where few
-/// poses are other ones. Errors as build_scene, and invalid_argument for another number of poses.
+/// when they are too slow. `scene` stays as it was. Takes a quarter of the time of build_scene, or a
+/// tenth where shapes are large, and less where few poses changed. Errors as build_scene, and invalid_argument for another number of poses.
 [[nodiscard]] Result<Scene> move_instances(const Scene& scene,
                                            std::span<const RigidTransform> poses,
                                            const SceneOptions& options = {});

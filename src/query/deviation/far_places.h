@@ -18,7 +18,7 @@ struct FarPoint {
     std::uint32_t row_a = 0;
 };
 
-/// The same in the meshes' unit, with the point of B closest to it.
+/// The far point in the meshes' own unit, with the point of B closest to it.
 [[nodiscard]] FarPlace far_place(const SurfacePair& pair, const FarPoint& far) noexcept;
 
 struct FarPointLimits {
