@@ -17,7 +17,7 @@ namespace {
 constexpr double direction_error = 0x1p-49;
 
 /// No point of the root is farther from one of the mesh.
-constexpr double reach = 4.0;
+constexpr double largest_distance = 4.0;
 
 /// Beyond this margin a plane is not worth keeping.
 constexpr double largest_margin = 0x1p-10;
@@ -95,7 +95,7 @@ private:
     /// The points x with normal . (x - p) <= 0, and some more for all errors.
     void add_plane(const Vec3& normal, const Vec3& p, double error)
     {
-        const double margin = reach * error;
+        const double margin = largest_distance * error;
         if (!(margin < largest_margin)) return;
         for (int axis = 0; axis < 3; ++axis)
             result_.numbers.push_back(static_cast<float>(normal[axis]));
