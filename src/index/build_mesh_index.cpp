@@ -289,7 +289,7 @@ public:
 
     void write_rows(const EdgeNumbers& edges, Threads threads)
     {
-        storage_.tables = make_row_tables(mesh_, edges, tree_.order, threads);
+        storage_.tables = make_row_tables(mesh_, edges, tree_.order, tree_.frame.scale, threads);
     }
 
     MeshIndex result()

@@ -132,7 +132,7 @@ Result<IndexParts> refit_tree(const IndexParts& index, const TriangleMesh& mesh,
     BlockRefitter refitter(index, mesh, frame, storage.blocks);
     if (!refitter.refit(index.root(), threads, progress)) return cancelled("moving boxes");
     storage.ids.assign(index.ids().begin(), index.ids().end());
-    storage.tables = move_row_tables(mesh, index.arrays(), threads);
+    storage.tables = move_row_tables(mesh, index.arrays(), frame.scale, threads);
     if (is_cancelled(progress)) return cancelled("moving boxes");
     IndexArrays arrays;
     arrays.center = frame.center;

@@ -23,7 +23,7 @@ constexpr std::size_t items_per_task = 4096;
 /// edge_of(rank, id, side) is the number of an edge.
 template <class Scalar, class EdgeOf>
 void fill_rows(const TriangleMesh& mesh, const EdgeOf& edge_of, std::span<const TriangleId> order,
-               Threads threads, GrowBuffer<TriangleRow<Scalar>>& rows)
+               double scale, Threads threads, GrowBuffer<TriangleRow<Scalar>>& rows)
 {
     rows.resize(order.size());
     parallel_chunks(order.size(), items_per_task, threads, [&](std::size_t first, std::size_t end) {
@@ -32,7 +32,8 @@ void fill_rows(const TriangleMesh& mesh, const EdgeOf& edge_of, std::span<const 
             const Triangle triangle = mesh.triangle(id);
             const TriangleCorners& corners = mesh.triangles()[to_index(id)];
             TriangleRow<Scalar> row;
-            row.triangle = to_index(id) | (is_thin(triangle) ? TriangleRow<Scalar>::thin_bit : 0U);
+            row.triangle =
+                to_index(id) | (is_thin(triangle, scale) ? TriangleRow<Scalar>::thin_bit : 0U);
             for (int i = 0; i < 3; ++i) {
                 const auto k = static_cast<std::size_t>(i);
                 for (int axis = 0; axis < 3; ++axis)
@@ -50,12 +51,13 @@ void fill_rows(const TriangleMesh& mesh, const EdgeOf& edge_of, std::span<const 
 /// Rows of floats where they hold every position exactly.
 template <class EdgeOf>
 void fill_rows_of(const TriangleMesh& mesh, const EdgeOf& edge_of,
-                  std::span<const TriangleId> order, Threads threads, RowTables& tables)
+                  std::span<const TriangleId> order, double scale, Threads threads,
+                  RowTables& tables)
 {
     if (has_floats(mesh)) {
-        fill_rows(mesh, edge_of, order, threads, tables.float_rows);
+        fill_rows(mesh, edge_of, order, scale, threads, tables.float_rows);
     } else {
-        fill_rows(mesh, edge_of, order, threads, tables.double_rows);
+        fill_rows(mesh, edge_of, order, scale, threads, tables.double_rows);
     }
 }
 
@@ -97,19 +99,20 @@ std::uint32_t incidence_of_edge(const TriangleMesh& mesh, const EdgeNumbers& edg
 
 } // namespace
 
-bool is_thin(const Triangle& triangle) noexcept
+bool is_thin(const Triangle& triangle, double scale) noexcept
 {
     Vec3 ab = triangle[1] - triangle[0];
     Vec3 ac = triangle[2] - triangle[0];
     Vec3 bc = triangle[2] - triangle[1];
+    const double size =
+        std::max({ab.cwiseAbs().maxCoeff(), ac.cwiseAbs().maxCoeff(), bc.cwiseAbs().maxCoeff()});
+    if (size > 0 && size * scale < least_side) return true;
     const auto longest = [&] {
         return std::max({ab.squaredNorm(), ac.squaredNorm(), bc.squaredNorm()});
     };
     double squared = longest();
     // Fourth powers of lengths outside of these leave the doubles.
     if (!(squared > 0x1p-400 && squared < 0x1p400)) {
-        const double size = std::max(
-            {ab.cwiseAbs().maxCoeff(), ac.cwiseAbs().maxCoeff(), bc.cwiseAbs().maxCoeff()});
         if (size > 0 && std::isfinite(size)) {
             const double unit = std::ldexp(1.0, std::clamp(-std::ilogb(size), -1000, 1000));
             for (Vec3* const side : {&ab, &ac, &bc}) *side *= unit;
@@ -143,13 +146,13 @@ std::uint64_t RowTables::bytes() const noexcept
 }
 
 RowTables make_row_tables(const TriangleMesh& mesh, const EdgeNumbers& edges,
-                          std::span<const TriangleId> order, Threads threads)
+                          std::span<const TriangleId> order, double scale, Threads threads)
 {
     RowTables tables;
     const auto edge_of = [&](std::size_t /*rank*/, TriangleId id, std::size_t side) {
         return to_index(edges.triangle_edges[to_index(id)][side]);
     };
-    fill_rows_of(mesh, edge_of, order, threads, tables);
+    fill_rows_of(mesh, edge_of, order, scale, threads, tables);
     fill_vertex_incidences(mesh, tables.vertex_incidences);
     tables.edge_incidences.resize(edges.first_sides.size());
     parallel_chunks(edges.first_sides.size(), items_per_task, threads,
@@ -160,19 +163,20 @@ RowTables make_row_tables(const TriangleMesh& mesh, const EdgeNumbers& edges,
     return tables;
 }
 
-RowTables move_row_tables(const TriangleMesh& mesh, const IndexArrays& old, Threads threads)
+RowTables move_row_tables(const TriangleMesh& mesh, const IndexArrays& old, double scale,
+                          Threads threads)
 {
     RowTables tables;
     if (old.double_rows.empty()) {
         const auto edge_of = [&](std::size_t rank, TriangleId /*id*/, std::size_t side) {
             return old.float_rows[rank].edges[side];
         };
-        fill_rows_of(mesh, edge_of, old.ids, threads, tables);
+        fill_rows_of(mesh, edge_of, old.ids, scale, threads, tables);
     } else {
         const auto edge_of = [&](std::size_t rank, TriangleId /*id*/, std::size_t side) {
             return old.double_rows[rank].edges[side];
         };
-        fill_rows_of(mesh, edge_of, old.ids, threads, tables);
+        fill_rows_of(mesh, edge_of, old.ids, scale, threads, tables);
     }
     copy_incidences(old.vertex_incidences, tables.vertex_incidences);
     copy_incidences(old.edge_incidences, tables.edge_incidences);

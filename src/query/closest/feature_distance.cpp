@@ -70,6 +70,15 @@ void offer_features(const NamedTriangle& triangle, const Vec3& p, const RowScale
     }
 }
 
+/// The mesh's scale, or for a triangle that is too small in it its own.
+double unit_of_thin(const Triangle& triangle, const RowScale& scale) noexcept
+{
+    const double size = std::max((triangle[1] - triangle[0]).cwiseAbs().maxCoeff(),
+                                 (triangle[2] - triangle[0]).cwiseAbs().maxCoeff());
+    if (!(size > 0 && size * scale.up < least_side)) return scale.up;
+    return std::ldexp(1.0, std::clamp(-std::ilogb(size), -1000, 1000));
+}
+
 std::size_t corner_of(const TriangleCorners& corners, VertexId vertex) noexcept
 {
     const auto found = std::ranges::find(corners, to_index(vertex));
@@ -110,7 +119,7 @@ FaceFoot foot_inside(const Triangle& face, const Vec3& p, const RowScale& scale)
 {
     FaceFoot foot;
     std::array<double, 3> parts{}; // of the corner across side i
-    if (is_thin(face)) {
+    if (is_thin(face, scale.up)) {
         const ThinInside inside = inside_of_thin(face, p, scale);
         if (!(inside.squared < std::numeric_limits<double>::infinity())) return {};
         foot.squared = inside.squared;
@@ -139,12 +148,16 @@ FaceFoot foot_inside(const Triangle& face, const Vec3& p, const RowScale& scale)
 
 ThinInside inside_of_thin(const Triangle& triangle, const Vec3& p, const RowScale& scale) noexcept
 {
+    const double up = unit_of_thin(triangle, scale);
     Triangle scaled = triangle;
-    for (Vec3& corner : scaled.vertices) corner *= scale.up;
-    const Vec3 point = p * scale.up;
+    for (Vec3& corner : scaled.vertices) corner *= up;
+    const Vec3 point = p * up;
+    // From so far its corners are as near as its inside.
+    if (!((point - scaled[0]).cwiseAbs().maxCoeff() < endless_distance)) return {};
     const TrianglePoint inside = closest_point(scaled, point);
     if (inside.part != TrianglePart::inside) return {};
-    return {(point - inside.point).squaredNorm(), inside.weights};
+    const Vec3 apart = (point - inside.point) * (scale.up / up);
+    return {apart.squaredNorm(), inside.weights};
 }
 
 void offer_triangle(const TriangleMesh& mesh, const Topology& topology, TriangleId triangle,

@@ -1,4 +1,5 @@
 // Signs far from a mesh, about parts of it of any size, and of what is no point.
+#include "base/text.h"
 #include "oracles/exact_winding.h"
 #include "proxima/neighbourhood.h"
 #include "query/closest/brute_force.h"
@@ -107,6 +108,56 @@ TEST(SignedDistance, IsExactForPartsOfAnySizeInAMesh)
     }
     EXPECT_GT(inside, 1000);
     EXPECT_GT(outside, 1000);
+}
+
+/// A triangle about as large as `size`, so far away.
+TriangleMesh far_triangle(double far, double size)
+{
+    return mesh_of({Vec3(far, 0, 0), Vec3(far, size, 0), Vec3(far, 0, size)}, {{0, 1, 2}});
+}
+
+TEST(SignedDistance, IsThatOfAPartHoweverFarTheRestIs)
+{
+    constexpr unsigned seed = 53;
+    const std::vector<Vec3> directions = random_directions(20, seed);
+    for (const double size : {1.0, 1e-30}) {
+        const TriangleMesh part =
+            moved(ball(Vec3::Zero(), 1.0), [&](const Vec3& p) { return Vec3(size * p); });
+        const Signed alone(part);
+        for (int power = 2; power + (size < 1 ? 30 : 0) <= 125; power += 7) {
+            const double far = std::pow(10.0, power);
+            if (far > 1e100) break;
+            for (const double wide : {size, far}) {
+                const TriangleMesh mesh = joined(part, far_triangle(far, wide));
+                const Signed of(mesh);
+                const Topology topology = build_topology(mesh).value();
+                const MeshIndex before =
+                    build_mesh_index(joined(part, far_triangle(far / 8, wide))).value();
+                const MeshIndex moved_there =
+                    with_signs(refit_index(before, mesh, topology).value()).value();
+                for (const Vec3& direction : directions) {
+                    for (const double reach : {0.1, 0.9, 0.99, 1.01, 1.5, 20.0}) {
+                        const Vec3 p = reach * size * direction;
+                        const SignedDistance expected = alone.at(p);
+                        const std::string where =
+                            concat("a part of ", size, " and a triangle ", far, " away, reach ",
+                                   reach, ", seed ", seed);
+                        for (const MeshIndex& index : {of.index, moved_there}) {
+                            const SignedDistance found = signed_distance(index, p).value();
+                            ASSERT_NEAR(found.distance, expected.distance, 1e-13 * size) << where;
+                            ASSERT_EQ(found.closest.feature.kind, expected.closest.feature.kind)
+                                << where;
+                        }
+                        const ClosestFeature slow =
+                            closest_feature_by_brute_force(mesh, topology, p);
+                        ASSERT_NEAR(std::sqrt(slow.squared_distance), std::abs(expected.distance),
+                                    1e-13 * size)
+                            << where;
+                    }
+                }
+            }
+        }
+    }
 }
 
 TEST(SignedDistance, IsNothingForPointsThatAreNotFinite)
