@@ -3,6 +3,10 @@
 
     scripts/tidy.py BUILD FILE...      BUILD: a folder with compile_commands.json
 
+Most of the time goes to the headers that a source includes, so up to a dozen sources of one target are joined to one
+that includes them all. The static analyzer looks only at the source itself, so it is run on each alone; not on tests,
+for in the macros of GoogleTest it spends a minute each.
+
 What a source is, is its text with all that it includes, its command, and the rules. Each that passed leaves
 an empty file of that hash in BUILD/tidied. A source that BUILD does not compile is checked as its neighbour
 in the compile commands would be. Exit status 1 if any source has findings.
@@ -19,6 +23,12 @@ from pathlib import Path
 
 TIDY = "clang-tidy-14"
 ROOT = Path(__file__).resolve().parent.parent
+JOINED = 12
+ANALYZER = "clang-analyzer-*"
+# A joined source's parts are headers to clang-tidy.
+HEADERS = r"--header-filter=(src|apps|tests|bench|fuzz)/.*\.(h|cpp)$"
+# What a part of a joined source may do, as each source of its own may: declare again, and end a namespace's names.
+BETWEEN_SOURCES = ["readability-redundant-declaration", "readability-duplicate-include", "bugprone-suspicious-include"]
 
 
 def commands_of(build):
@@ -40,21 +50,51 @@ def command_of(source, commands):
     return commands[neighbour]
 
 
-def findings_of(source, command, folder, tidied, rules):
-    """What clang-tidy prints; None where the source passed."""
+def stamp_of(kind, source, command, folder, rules):
+    """The name of what says that a source passed; none where it does not compile."""
     # With comments, for they can silence a rule; without the checkout's place, for copies of it pass alike.
     text = subprocess.run([*command, "-E", "-CC", "-P", source], cwd=folder, capture_output=True)
     if text.returncode != 0:
-        return text.stderr.decode()
-    said = " ".join([*command, str(source)]).replace(str(ROOT), ".")
-    stamp = tidied / hashlib.sha256(rules + said.encode() + text.stdout).hexdigest()
-    if stamp.exists():
         return None
-    result = subprocess.run([TIDY, "--quiet", str(source), "--", *command[1:]], cwd=folder, capture_output=True, text=True)
-    if result.returncode == 0:
-        stamp.touch()
-        return None
-    return result.stdout + result.stderr
+    said = " ".join([kind, *command, str(source)]).replace(str(ROOT), ".")
+    return hashlib.sha256(rules + said.encode() + text.stdout).hexdigest()
+
+
+def findings_of(source, command, folder, *options):
+    """What clang-tidy prints; None where the source passed."""
+    result = subprocess.run([TIDY, "--quiet", *options, str(source), "--", *command[1:]], cwd=folder, capture_output=True, text=True)
+    return None if result.returncode == 0 else result.stdout + result.stderr
+
+
+def joined_findings(sources, command, folder, place):
+    """What all rules but the analyzer's say of sources together, or of each where they cannot be joined."""
+    rules = ",".join("-" + rule for rule in [ANALYZER, *BETWEEN_SOURCES])
+    if len(sources) > 1:
+        together = place / (hashlib.sha256(" ".join(map(str, sources)).encode()).hexdigest()[:16] + ".cpp")
+        together.write_text("".join(f'#include "{source}"\n' for source in sources))
+        found = findings_of(together, command, folder, HEADERS, f"--checks={rules}")
+        if found is None or "clang-diagnostic-" not in found:
+            return found
+    all_found = [findings_of(source, command, folder, f"--checks=-{ANALYZER}") for source in sources]
+    return "\n".join(one for one in all_found if one is not None) or None
+
+
+def can_be_joined(source):
+    """Sources that include themselves for each instruction set cannot."""
+    text = source.read_text()
+    return "HWY_TARGET_INCLUDE" not in text and "LLVMFuzzerTestOneInput" not in text and "int main(" not in text
+
+
+def batches_of(sources, commands):
+    """Sources to look at together, each list with the command and folder of all."""
+    alike = {}
+    for source in sources:
+        command, folder = command_of(source, commands)
+        own = "" if can_be_joined(source) else str(source)
+        alike.setdefault((*command, folder, own), []).append(source)
+    for same in alike.values():
+        for first in range(0, len(same), JOINED):
+            yield same[first:first + JOINED], *command_of(same[first], commands)
 
 
 def main():
@@ -68,18 +108,35 @@ def main():
     rules = subprocess.run([TIDY, "--version"], capture_output=True, check=True).stdout + (ROOT / ".clang-tidy").read_bytes()
     sources = [Path(name).resolve() for name in sys.argv[2:]]
 
-    def check(source):
+    def check(batch):
+        """How many sources of the batch there are findings about."""
+        wanted, command, folder = batch
         start = time.monotonic()
-        found = findings_of(source, *command_of(source, commands), tidied, rules)
-        print(f"{source.relative_to(ROOT)}: {'passed' if found is None else 'FINDINGS'}, {time.monotonic() - start:.0f} s", flush=True)
-        if found is not None:
-            print(found, flush=True)
-        return found is None
+        stamps = {source: stamp_of("all", source, command, folder, rules) for source in wanted}
+        new = [source for source in wanted if stamps[source] is None or not (tidied / stamps[source]).exists()]
+        found = joined_findings(new, command, folder, tidied) if new else None
+        bad = set(new if found is not None else [])
+        said = [found] if found is not None else []
+        for source in new:
+            if (ROOT / "tests") in source.parents:
+                continue
+            alone = findings_of(source, command, folder, f"--checks=-*,{ANALYZER}")
+            if alone is not None:
+                bad.add(source)
+                said.append(alone)
+        for source in new:
+            if source not in bad:
+                (tidied / stamps[source]).touch()
+        names = " ".join(str(source.relative_to(ROOT)) for source in wanted)
+        print(f"{names}: {'FINDINGS' if bad else 'passed'}, {time.monotonic() - start:.0f} s", flush=True)
+        for text in said:
+            print(text, flush=True)
+        return len(bad)
 
     with concurrent.futures.ThreadPoolExecutor(len(os.sched_getaffinity(0))) as workers:
-        passed = list(workers.map(check, sources))
-    print(f"tidy: {len(passed)} sources, {passed.count(False)} with findings")
-    return 0 if all(passed) else 1
+        bad = sum(workers.map(check, batches_of(sources, commands)))
+    print(f"tidy: {len(sources)} sources, {bad} in batches with findings")
+    return 1 if bad else 0
 
 
 if __name__ == "__main__":
