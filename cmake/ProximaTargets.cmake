@@ -79,18 +79,23 @@ endfunction()
 # Sources that Highway compiles once for every instruction set: each is a unit of its own in whole builds
 # that join sources (CMAKE_UNITY_BUILD). On x86 these are AVX-512, AVX2, SSE4 and no lanes, which is what the few
 # processors with SSSE3 and without SSE4 get, too. On Arm it is NEON: lanes of SVE cannot lie in arrays, as kernels keep theirs.
-# What comes after UP_TO_AVX2 gains next to nothing from AVX-512 and goes without.
+# What comes after UP_TO_AVX2 gains next to nothing from AVX-512 and goes without; what comes after AVX2_ALONE goes
+# without SSE4, too, which keeps the library small.
 function(proxima_own_units)
-  cmake_parse_arguments(ARG "" "" "UP_TO_AVX2" ${ARGN})
+  cmake_parse_arguments(ARG "" "" "UP_TO_AVX2;AVX2_ALONE" ${ARGN})
   set(unused HWY_SSSE3)
   if(CMAKE_SYSTEM_PROCESSOR STREQUAL "aarch64")
     set(unused "(HWY_SVE|HWY_SVE2|HWY_SVE_256|HWY_SVE2_128)")
   endif()
-  set_source_files_properties(${ARG_UNPARSED_ARGUMENTS} ${ARG_UP_TO_AVX2} PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON
-    COMPILE_DEFINITIONS "HWY_DISABLED_TARGETS=${unused}")
-  if(ARG_UP_TO_AVX2)
-    set_source_files_properties(${ARG_UP_TO_AVX2} PROPERTIES COMPILE_DEFINITIONS "HWY_DISABLED_TARGETS=(${unused}|HWY_AVX3)")
-  endif()
+  set_source_files_properties(${ARG_UNPARSED_ARGUMENTS} ${ARG_UP_TO_AVX2} ${ARG_AVX2_ALONE} PROPERTIES
+    SKIP_UNITY_BUILD_INCLUSION ON COMPILE_DEFINITIONS "HWY_DISABLED_TARGETS=${unused}")
+  foreach(source IN LISTS ARG_UP_TO_AVX2)
+    set_source_files_properties(${source} PROPERTIES COMPILE_DEFINITIONS "HWY_DISABLED_TARGETS=(${unused}|HWY_AVX3)")
+  endforeach()
+  foreach(source IN LISTS ARG_AVX2_ALONE)
+    set_source_files_properties(${source} PROPERTIES COMPILE_DEFINITIONS
+      "HWY_DISABLED_TARGETS=(${unused}|HWY_SSE4|HWY_AVX3)")
+  endforeach()
 endfunction()
 
 # proxima_add_layer(NAME PUBLIC_HEADERS ... HEADERS ... SOURCES ... SMALL_SOURCES ... LINK ... PRIVATE_LINK ...)

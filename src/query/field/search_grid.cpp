@@ -13,11 +13,6 @@
 #include <limits>
 #include <vector>
 
-// Eight floats fill a register of AVX2: AVX-512 is no quicker here. Processors older than AVX2 do
-// without lanes, which keeps the library small.
-#undef HWY_DISABLED_TARGETS
-#define HWY_DISABLED_TARGETS (HWY_SSSE3 | HWY_SSE4 | HWY_AVX3 | HWY_AVX3_DL)
-
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "query/field/search_grid.cpp"
 #include <hwy/foreach_target.h>
