@@ -467,6 +467,15 @@ TEST(Solid, HasCavitiesWhereInnerShellsFaceInward)
         EXPECT_NEAR(regions->regions.front().depth, depth, 1e-9);
         EXPECT_LT(regions->regions.front().normal.x(), -0.999); // from A to B
     }
+    // Far from the origin, and with triangles that are none.
+    const TriangleMesh far =
+        moved(shell, [](const Vec3& p) { return Vec3(p + Vec3(1.1e10, -1.3e10, 1.7e10)); });
+    std::vector<TriangleCorners> triangles(far.triangles().begin(), far.triangles().end());
+    triangles.push_back({0, 1, 1});
+    triangles.push_back({2, 2, 2});
+    EXPECT_FALSE(solids_overlap(
+        solid_of(mesh_of({far.positions().begin(), far.positions().end()}, triangles)), small,
+        moved_by(Vec3(1.1e10, -1.3e10, 1.7e10))));
     // A solid in the cavity, and a cavity in that; components that overlap share one.
     solid_of(joined(joined(shell, box(0.25, Vec3::Zero())), inverted(box(0.125, Vec3::Zero()))));
     const TriangleMesh two = joined(box(1, Vec3::Zero()), box(1, Vec3(1, 0.1, 0.2)));

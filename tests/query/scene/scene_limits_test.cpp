@@ -225,25 +225,30 @@ TEST(Scene, SaysHowMuchIsDone)
         return Execution{.threads = {1}, .progress = &progress};
     };
     std::vector<std::optional<SceneFeature>> near(points.size());
-    expect_even_progress([&](Progress& progress) {
-        const Status status =
-            closest_features(scene, points, near, {.execution = on_one_thread(progress)});
-        EXPECT_STREQ(progress.stage(), "closest features");
-        return status;
+    expect_even_progress("closest features", [&](Progress& progress) {
+        return closest_features(scene, points, near, {.execution = on_one_thread(progress)});
     });
     std::vector<std::optional<SceneHit>> hits(rays.size());
-    expect_even_progress([&](Progress& progress) {
-        const Status status =
-            closest_hits(scene, rays, hits, {.execution = on_one_thread(progress)});
-        EXPECT_STREQ(progress.stage(), "casting rays");
-        return status;
+    expect_even_progress("casting rays", [&](Progress& progress) {
+        return closest_hits(scene, rays, hits, {.execution = on_one_thread(progress)});
     });
     const ViewVolume half = make_view_volume(std::vector<ViewPlane>{{Vec3::UnitX(), 0}}).value();
-    expect_even_progress([&](Progress& progress) {
-        auto ranges = visible_ranges(scene, half, {.execution = on_one_thread(progress)});
-        EXPECT_STREQ(progress.stage(), "culling instances");
-        return ranges;
+    expect_even_progress("culling instances", [&](Progress& progress) {
+        return visible_ranges(scene, half, {.execution = on_one_thread(progress)});
     });
+    std::vector<RigidTransform> poses;
+    for (const Instance& instance : of.instances) poses.push_back(instance.pose);
+    expect_even_progress("placing instances", [&](Progress& progress) {
+        return move_instances(scene, poses, {on_one_thread(progress)});
+    });
+}
+
+TEST(Scene, HasAsManyBytesAsItsInstancesNeed)
+{
+    const RandomScene of = many_instances(4000, 15);
+    const Scene scene = build_scene(of.shapes, of.instances).value();
+    EXPECT_GT(scene.bytes(), 4000 * (sizeof(Box) + sizeof(RigidTransform)));
+    EXPECT_LT(scene.bytes(), 4000 * 700) << "what the memory budget counts";
 }
 
 } // namespace
