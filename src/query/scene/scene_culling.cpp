@@ -90,10 +90,8 @@ public:
     /// The volume in an instance's coordinates. Error invalid_argument: not finite.
     [[nodiscard]] Result<ViewVolume> in_instance(std::uint32_t row) const
     {
-        std::vector<ViewPlane> planes;
-        planes.reserve(planes_.size());
-        for (const ViewPlane& plane : planes_)
-            planes.push_back(to_instance(scene_.poses[row], plane));
+        std::vector<ViewPlane> planes(planes_.begin(), planes_.end());
+        for (ViewPlane& plane : planes) plane = to_instance(scene_.poses[row], plane);
         auto volume = make_view_volume(planes);
         if (volume) return volume;
         return fail(volume.error().code, volume.error().message,
