@@ -505,6 +505,12 @@ TEST(Solid, IsRefusedWhereAComponentThatFacesInwardIsNoCavity)
             "triangle 24 faces inward and is in nothing");
     refused(joined(box(1, 0), inverted(box(0.5, 0.75))), "faces inward and touches one");
     refused(joined(box(1, 0), inverted(box(0.5, 0.5))), "faces inward and touches one");
+    // A vertex in common joins no components.
+    refused(joined(box(1, 0), inverted(moved(make_cube(),
+                                             [](const Vec3& p) {
+                                                 return Vec3(0.5 * p + Vec3(0.5, 0.5, 0.5));
+                                             }))),
+            "faces inward and touches one");
     refused(joined(box(4, 0), inverted(joined(box(0.5, 0.1), box(0.5, 0.4)))),
             "touches itself or another");
     Progress progress;
