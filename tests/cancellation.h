@@ -4,6 +4,7 @@
 #include "proxima/execution.h"
 #include "proxima/result.h"
 
+#include <cstddef>
 #include <cstdint>
 #include <filesystem>
 #include <fstream>
@@ -11,6 +12,8 @@
 #include <iterator>
 #include <map>
 #include <string>
+#include <string_view>
+#include <vector>
 
 namespace proxima::testing {
 
@@ -34,6 +37,30 @@ void cancel_at_every_stage(const Work& work, const IsUnchanged& is_unchanged, in
         EXPECT_TRUE(is_unchanged()) << "after report " << reports;
     }
     EXPECT_GE(runs, least_runs);
+}
+
+/// Runs work(progress), on one thread, again and again, cancelled at each of its reports. At all of those of the stage
+/// but the last it was not yet done, and each brought it on about as far as the others did.
+template <class Work>
+void expect_even_progress(const char* stage, const Work& work)
+{
+    std::vector<double> fractions;
+    bool is_done = false;
+    for (std::uint64_t reports = 1; !is_done; ++reports) {
+        Progress progress;
+        progress.cancel_after(reports);
+        is_done = work(progress).has_value();
+        if (!is_done && progress.stage() == std::string_view(stage))
+            fractions.push_back(progress.fraction());
+    }
+    ASSERT_GE(fractions.size(), 4U) << stage;
+    EXPECT_EQ(fractions.front(), 0);
+    EXPECT_EQ(fractions.back(), 1);
+    const double most = 1.5 / static_cast<double>(fractions.size() - 1);
+    for (std::size_t i = 1; i < fractions.size(); ++i) {
+        EXPECT_GT(fractions[i], fractions[i - 1]) << stage << ' ' << i;
+        EXPECT_LT(fractions[i], fractions[i - 1] + most) << stage << ' ' << i;
+    }
 }
 
 /// The names and contents of a folder's files.

@@ -9,7 +9,29 @@
 #include <gtest/gtest.h>
 #include <string>
 #include <sys/stat.h>
+#include <sys/syscall.h>
 #include <unistd.h>
+
+namespace {
+
+/// What the next calls of read() do in place of reading.
+struct FailingReads {
+    int calls = 0; ///< that many fail
+    int error_number = 0;
+    ssize_t returns = -1;
+};
+FailingReads failing_reads;
+
+} // namespace
+
+/// In place of the C library's.
+extern "C" ssize_t read(int descriptor, void* buffer, std::size_t size)
+{
+    if (failing_reads.calls <= 0) return ::syscall(SYS_read, descriptor, buffer, size);
+    --failing_reads.calls;
+    errno = failing_reads.error_number;
+    return failing_reads.returns;
+}
 
 namespace proxima {
 namespace {
@@ -81,6 +103,29 @@ TEST_F(InputFile, ClosesWhatItOpens)
     const int now = ::open("/dev/null", O_RDONLY);
     EXPECT_EQ(now, next);
     ::close(now);
+}
+
+TEST_F(InputFile, GoesOnAfterASignalAndSaysWhatElseFails)
+{
+    const std::string name = file_of("content");
+    failing_reads = {.calls = 1, .error_number = EIO};
+    const auto broken = read_file(name, {});
+    ASSERT_FALSE(broken);
+    EXPECT_EQ(broken.error().code, ErrorCode::file_not_found);
+    EXPECT_NE(broken.error().message.find("Input/output error"), std::string::npos)
+        << broken.error().message;
+    failing_reads = {.calls = 3, .error_number = EINTR};
+    const auto interrupted = read_file(name, {});
+    ASSERT_TRUE(interrupted) << interrupted.error().message;
+    EXPECT_EQ(interrupted->text(), "content");
+    EXPECT_EQ(failing_reads.calls, 0);
+    // The end of the file, before its size: somebody shortened it. EINTR is of an earlier call.
+    failing_reads = {.calls = 1, .error_number = EINTR, .returns = 0};
+    const auto shorter = read_file(name, {});
+    ASSERT_FALSE(shorter);
+    EXPECT_EQ(shorter.error().code, ErrorCode::malformed_file);
+    EXPECT_NE(shorter.error().message.find("from 7 to 0 bytes"), std::string::npos)
+        << shorter.error().message;
 }
 
 TEST_F(InputFile, SaysWhyItCannotBeRead)

@@ -45,9 +45,10 @@ std::vector<std::uint32_t> components_of(const TriangleMesh& mesh)
     }
     std::ranges::sort(sides, {}, &Side::vertices);
     DisjointSets sets(mesh.triangle_count());
-    for (std::size_t i = 1; i < sides.size(); ++i) {
-        if (sides[i].vertices == sides[i - 1].vertices)
-            sets.unite(sides[i].triangle, sides[i - 1].triangle);
+    Side before = {~std::uint64_t{0}, 0}; // of no side
+    for (const Side& side : sides) {
+        if (side.vertices == before.vertices) sets.unite(side.triangle, before.triangle);
+        before = side;
     }
     for (std::uint32_t& component : components)
         if (component != no_component) component = sets.find(component);

@@ -27,7 +27,8 @@ struct RowSide {
 };
 
 /// A volume's planes about a scene. Boxes near a plane count as cut by it, by more than planes in an instance's
-/// coordinates are rounded: 16 u (|n|_1 (|x| + |t|) + |d|), |t| part of the box.
+/// coordinates are rounded: 16 u (|n|_1 (|x| + |t|) + |d|), |t| part of the box, |d| at most |n|_1 |x| where a
+/// plane meets it.
 class ScenePlanes {
 public:
     ScenePlanes(const SceneParts& scene, const ViewVolume& volume)
@@ -35,9 +36,8 @@ public:
     {
         slacks_.reserve(planes_.size());
         for (const ViewPlane& plane : planes_) {
-            slacks_.push_back(
-                scene_roundoff * (plane.normal.lpNorm<1>() * scene.reach + std::abs(plane.offset)) +
-                std::numeric_limits<double>::min());
+            slacks_.push_back(scene_roundoff * (plane.normal.lpNorm<1>() * scene.reach) +
+                              std::numeric_limits<double>::min());
         }
     }
 
@@ -90,10 +90,8 @@ public:
     /// The volume in an instance's coordinates. Error invalid_argument: not finite.
     [[nodiscard]] Result<ViewVolume> in_instance(std::uint32_t row) const
     {
-        std::vector<ViewPlane> planes;
-        planes.reserve(planes_.size());
-        for (const ViewPlane& plane : planes_)
-            planes.push_back(to_instance(scene_.poses[row], plane));
+        std::vector<ViewPlane> planes(planes_.begin(), planes_.end());
+        for (ViewPlane& plane : planes) plane = to_instance(scene_.poses[row], plane);
         auto volume = make_view_volume(planes);
         if (volume) return volume;
         return fail(volume.error().code, volume.error().message,

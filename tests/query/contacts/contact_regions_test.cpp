@@ -7,9 +7,14 @@
 #include "query/contacts/random_motions.h"
 #include "query/contacts/solid_shapes.h"
 
+#include <algorithm>
+#include <array>
 #include <cmath>
+#include <functional>
 #include <gtest/gtest.h>
 #include <numbers>
+#include <random>
+#include <vector>
 
 namespace proxima {
 namespace {
@@ -82,6 +87,73 @@ TEST(ContactRegions, OfABoxInAFloorHaveFourCornersAndTheDepth)
                 area = std::max(area, (point.on_a - first).cross(other.on_a - first).norm());
         EXPECT_GT(area, 0.8 * 8) << "the points reach to the corners";
     }
+}
+
+/// The area of the hull of four points in a plane: each point of it is in two of their four triangles.
+double hull_area(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d)
+{
+    const auto twice = [](const Vec3& p, const Vec3& q, const Vec3& r) {
+        return (q - p).cross(r - p).norm();
+    };
+    return 0.25 * (twice(a, b, c) + twice(a, b, d) + twice(a, c, d) + twice(b, c, d));
+}
+
+TEST(ContactRegions, OfPrismsInAFloorAreTheFarthestOfTheirCorners)
+{
+    const std::uint64_t seed = 41;
+    std::mt19937_64 random(seed);
+    SCOPED_TRACE(seed);
+    std::uniform_real_distribution<double> unit(0, 1);
+    const Solid floor = solid_of(box_mesh({Vec3(-40, -40, -2), Vec3(40, 40, 0)}));
+    int compared = 0;
+    for (int i = 0; i < 100; ++i) {
+        SCOPED_TRACE(i);
+        // Five corners on an ellipse somewhere in the floor.
+        std::vector<Vec3> corners;
+        const Vec3 middle(30 * unit(random) - 15, 30 * unit(random) - 15, 0);
+        for (int k = 0; k < 5; ++k) {
+            const double turn = 2 * std::numbers::pi * (k + 0.9 * unit(random)) / 5;
+            corners.push_back(middle + Vec3(2 * std::cos(turn), std::sin(turn), 0));
+        }
+        std::vector<Vec3> points;
+        for (const Vec3& corner : corners)
+            for (const double z : {-0.125, 1.0}) points.emplace_back(corner.x(), corner.y(), z);
+        const Solid prism = solid_of(surface_of(convex_hull(points).value()));
+        const ContactRegions found = regions_of(floor, prism);
+        ASSERT_EQ(found.regions.size(), 1U);
+        const ContactRegion& region = found.regions.front();
+        expect_sound(floor, prism, {}, found);
+        EXPECT_NEAR(region.depth, 0.125, 1e-9);
+        double length = 0;
+        Vec3 weighted = Vec3::Zero();
+        for (std::size_t k = 0; k < 5; ++k) {
+            const Vec3& next = corners[(k + 1) % 5];
+            length += (next - corners[k]).norm();
+            weighted += (next - corners[k]).norm() * 0.5 * (next + corners[k]);
+        }
+        EXPECT_NEAR((region.position - weighted / length).norm(), 0, 1e-9);
+        // Each point is the corner that is best for it, if one is clearly better than all others.
+        std::array<Vec3, 4> best;
+        bool is_clear = true;
+        const auto choose = [&](std::size_t k, const auto& measure) {
+            std::ranges::sort(corners, std::greater(), measure);
+            best[k] = corners[0];
+            is_clear = is_clear && measure(corners[1]) < 0.96 * measure(corners[0]);
+        };
+        choose(0, [&](const Vec3& p) { return (p - region.position).norm(); });
+        choose(1, [&](const Vec3& p) { return (p - best[0]).norm(); });
+        choose(2, [&](const Vec3& p) { return (p - best[0]).cross(best[1] - best[0]).norm(); });
+        const double area = hull_area(best[0], best[1], best[2], best[0]);
+        choose(3, [&](const Vec3& p) { return hull_area(best[0], best[1], best[2], p) - area; });
+        if (!is_clear) continue;
+        ++compared;
+        ASSERT_EQ(region.point_count, 4U);
+        for (std::size_t k = 0; k < 4; ++k) {
+            const Vec3 on_floor(region.points[k].on_a.x(), region.points[k].on_a.y(), 0);
+            EXPECT_LT((on_floor - best[k]).norm(), 0.1) << k;
+        }
+    }
+    EXPECT_GT(compared, 10);
 }
 
 TEST(ContactRegions, OfBoxesBesideEachOtherFaceAsTheirFacesDo)
@@ -263,6 +335,7 @@ TEST(ContactRegions, OfATouchHaveNoDepth)
     EXPECT_EQ(region.length, 0);
     ASSERT_EQ(region.point_count, 1U);
     EXPECT_NEAR((region.points[0].on_a - Vec3(0, 0, 1)).norm(), 0, 1e-15);
+    EXPECT_NEAR((region.position - Vec3(0, 0, 1)).norm(), 0, 1e-15);
     EXPECT_GT(region.normal.z(), 0.5);
     const ContactRegions faces = regions_of(cube, cube, placed(Vec3(2, 0.5, 0)));
     ASSERT_EQ(faces.regions.size(), 1U);

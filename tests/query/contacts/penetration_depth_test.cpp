@@ -467,6 +467,18 @@ TEST(Solid, HasCavitiesWhereInnerShellsFaceInward)
         EXPECT_NEAR(regions->regions.front().depth, depth, 1e-9);
         EXPECT_LT(regions->regions.front().normal.x(), -0.999); // from A to B
     }
+    // Far from the origin, and with triangles that are none.
+    for (const Vec3& there : {Vec3(1.1e10, -1.3e10, 1.7e10), Vec3(-3.1e9, 7.7e9, 0),
+                              Vec3(1.9e10, 2.3e10, 2.9e10), Vec3(-1.7e10, -1.1e9, 1.3e10)}) {
+        const TriangleMesh far = moved(shell, [&](const Vec3& p) { return Vec3(p + there); });
+        std::vector<TriangleCorners> triangles(far.triangles().begin(), far.triangles().end());
+        triangles.push_back({0, 1, 1});
+        triangles.push_back({2, 2, 2});
+        const Solid solid =
+            solid_of(mesh_of({far.positions().begin(), far.positions().end()}, triangles));
+        EXPECT_FALSE(solids_overlap(solid, small, moved_by(there)));
+        EXPECT_TRUE(solids_overlap(solid, small, moved_by(there + Vec3(0.75, 0, 0))));
+    }
     // A solid in the cavity, and a cavity in that; components that overlap share one.
     solid_of(joined(joined(shell, box(0.25, Vec3::Zero())), inverted(box(0.125, Vec3::Zero()))));
     const TriangleMesh two = joined(box(1, Vec3::Zero()), box(1, Vec3(1, 0.1, 0.2)));
@@ -493,6 +505,12 @@ TEST(Solid, IsRefusedWhereAComponentThatFacesInwardIsNoCavity)
             "triangle 24 faces inward and is in nothing");
     refused(joined(box(1, 0), inverted(box(0.5, 0.75))), "faces inward and touches one");
     refused(joined(box(1, 0), inverted(box(0.5, 0.5))), "faces inward and touches one");
+    // A vertex in common joins no components.
+    refused(joined(box(1, 0), inverted(moved(make_cube(),
+                                             [](const Vec3& p) {
+                                                 return Vec3(0.5 * p + Vec3(0.5, 0.5, 0.5));
+                                             }))),
+            "faces inward and touches one");
     refused(joined(box(4, 0), inverted(joined(box(0.5, 0.1), box(0.5, 0.4)))),
             "touches itself or another");
     Progress progress;

@@ -510,6 +510,9 @@ TEST(TimeOfContact, TakesNoMoreStepsThanAllowed)
     EXPECT_EQ(cut->evidence, ContactEvidence::steps);
     EXPECT_EQ(cut->steps, 2U);
     EXPECT_LT(cut->free_until, whole->free_until);
+    // No triangles are about to touch: the closest points say what the normal is.
+    EXPECT_GT(cut->distance, 0.1);
+    EXPECT_LT((cut->normal - (cut->point_b - cut->point_a).normalized()).norm(), 1e-12);
 }
 
 TEST(TimeOfContact, OfAnEmptyMeshIsNone)

@@ -190,10 +190,6 @@ TEST(Scene, StopsOnRequest)
             return closest_features(scene, points, near, {.execution = {.progress = &progress}});
         },
         always);
-    Progress whole;
-    ASSERT_TRUE(closest_features(scene, points, near, {.execution = {.progress = &whole}}));
-    EXPECT_STREQ(whole.stage(), "closest features");
-    EXPECT_EQ(whole.fraction(), 1);
     std::vector<std::optional<SceneHit>> hits(rays.size());
     cancel_at_every_stage(
         [&](Progress& progress) {
@@ -205,15 +201,54 @@ TEST(Scene, StopsOnRequest)
             return all_hits(scene, rays, {.execution = {.progress = &progress}});
         },
         always);
-    ASSERT_TRUE(closest_hits(scene, rays, hits, {.execution = {.progress = &whole}}));
-    EXPECT_STREQ(whole.stage(), "casting rays");
-    EXPECT_EQ(whole.fraction(), 1);
     const ViewVolume half = make_view_volume(std::vector<ViewPlane>{{Vec3::UnitX(), 0}}).value();
     cancel_at_every_stage(
         [&](Progress& progress) {
             return visible_ranges(scene, half, {.execution = {.progress = &progress}});
         },
         always);
+}
+
+TEST(Scene, SaysHowMuchIsDone)
+{
+    const RandomScene of = many_instances(4000, 10);
+    const Scene scene = build_scene(of.shapes, of.instances).value();
+    SceneGenerator random(10);
+    SceneQueries query(of, random);
+    std::vector<Vec3> points;
+    std::vector<Ray> rays;
+    for (int i = 0; i < 2048; ++i) {
+        points.push_back(query.place());
+        rays.push_back(query.ray());
+    }
+    const auto on_one_thread = [](Progress& progress) {
+        return Execution{.threads = {1}, .progress = &progress};
+    };
+    std::vector<std::optional<SceneFeature>> near(points.size());
+    expect_even_progress("closest features", [&](Progress& progress) {
+        return closest_features(scene, points, near, {.execution = on_one_thread(progress)});
+    });
+    std::vector<std::optional<SceneHit>> hits(rays.size());
+    expect_even_progress("casting rays", [&](Progress& progress) {
+        return closest_hits(scene, rays, hits, {.execution = on_one_thread(progress)});
+    });
+    const ViewVolume half = make_view_volume(std::vector<ViewPlane>{{Vec3::UnitX(), 0}}).value();
+    expect_even_progress("culling instances", [&](Progress& progress) {
+        return visible_ranges(scene, half, {.execution = on_one_thread(progress)});
+    });
+    std::vector<RigidTransform> poses;
+    for (const Instance& instance : of.instances) poses.push_back(instance.pose);
+    expect_even_progress("placing instances", [&](Progress& progress) {
+        return move_instances(scene, poses, {on_one_thread(progress)});
+    });
+}
+
+TEST(Scene, HasAsManyBytesAsItsInstancesNeed)
+{
+    const RandomScene of = many_instances(4000, 15);
+    const Scene scene = build_scene(of.shapes, of.instances).value();
+    EXPECT_GT(scene.bytes(), 4000 * (sizeof(Box) + sizeof(RigidTransform)));
+    EXPECT_LT(scene.bytes(), 4000 * 700) << "what the memory budget counts";
 }
 
 } // namespace

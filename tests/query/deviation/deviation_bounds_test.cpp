@@ -1,0 +1,113 @@
+// Deviations where much must be cut, means whose bounds can be told to the last bits, and what they report.
+#include "index/test_meshes.h"
+#include "proxima/mesh_deviation.h"
+#include "proxima/mesh_index.h"
+#include "query/deviation/sampled_deviation.h"
+
+#include <gtest/gtest.h>
+#include <numeric>
+#include <random>
+#include <utility>
+#include <vector>
+
+namespace proxima {
+namespace {
+
+using namespace testing;
+
+/// Two triangles in the plane z = height, over [-1, 1] x [-width, width].
+MeshIndex strip(double width, double height)
+{
+    return build_mesh_index(mesh_of({Vec3(-1, -width, height), Vec3(1, -width, height),
+                                     Vec3(1, width, height), Vec3(-1, width, height)},
+                                    {{0, 1, 2}, {0, 2, 3}}))
+        .value();
+}
+
+/// A square of 32 x 32 cells over [-1, 1]^2, its vertices at random heights up to 1e-3.
+TriangleMesh bumpy_sheet(std::uint32_t seed)
+{
+    std::mt19937 random(seed);
+    std::uniform_real_distribution<double> height(0, 1e-3);
+    constexpr std::uint32_t n = 32;
+    std::vector<Vec3> positions;
+    std::vector<TriangleCorners> triangles;
+    for (std::uint32_t j = 0; j <= n; ++j) {
+        for (std::uint32_t i = 0; i <= n; ++i)
+            positions.emplace_back(2.0 * i / n - 1, 2.0 * j / n - 1, height(random));
+    }
+    for (std::uint32_t j = 0; j < n; ++j) {
+        for (std::uint32_t i = 0; i < n; ++i) {
+            const std::uint32_t at = j * (n + 1) + i;
+            triangles.push_back({at, at + 1, at + n + 2});
+            triangles.push_back({at, at + n + 2, at + n + 1});
+        }
+    }
+    return mesh_of(std::move(positions), std::move(triangles));
+}
+
+TEST(MeshDeviation, OfOneTriangleThatIsCutThousandsOfTimes)
+{
+    constexpr std::uint32_t seed = 6;
+    SCOPED_TRACE(::testing::Message() << "seed " << seed);
+    const TriangleMesh sheet = bumpy_sheet(seed);
+    const TriangleMesh lid =
+        mesh_of({Vec3(-0.9, -0.9, 1), Vec3(0.9, -0.9, 1), Vec3(0, 0.9, 1)}, {{0, 1, 2}});
+    const auto found =
+        greatest_deviation(build_mesh_index(lid).value(), build_mesh_index(sheet).value(),
+                           {.tolerance = 1e-5, .max_splits = 20'000});
+    ASSERT_TRUE(found) << describe(found.error());
+    EXPECT_GT(found->splits, 1024U) << "more than are made in one go";
+    EXPECT_TRUE(found->is_complete);
+    EXPECT_LE(found->distance.upper - found->distance.lower, 1e-5);
+    const double there = distance_from(sheet, found->point_a);
+    EXPECT_GE(there, found->distance.lower - 1e-13);
+    EXPECT_LE(there, found->distance.upper + 1e-13);
+    visit_samples(lid, 24, [&](const Vec3& p) {
+        EXPECT_LE(distance_from(sheet, p), found->distance.upper + 1e-13);
+    });
+}
+
+TEST(MeshDeviation, OfParallelStripsIsTheirDistanceHoweverNarrowTheyAre)
+{
+    const MeshIndex floor = strip(1, -0.25);
+    for (const double width : {1.0, 1e-3, 1e-6, 1e-9}) {
+        SCOPED_TRACE(width); // the narrower, the more of the area may be rounding
+        const auto found = mean_deviation(strip(width, 0.75), floor);
+        ASSERT_TRUE(found) << describe(found.error());
+        EXPECT_NEAR(found->area, 4 * width, found->area_error);
+        for (const DistanceBounds& bounds : {found->mean, found->root_mean_square}) {
+            EXPECT_LE(bounds.lower, 1);
+            EXPECT_GE(bounds.upper, 1);
+            EXPECT_LT(bounds.upper - bounds.lower, 1e-5 + 4 * found->area_error / found->area);
+        }
+    }
+}
+
+TEST(MeshDeviation, HasHistogramsUpToTheirLimit)
+{
+    const MeshIndex low = strip(1, 0);
+    const MeshIndex high = strip(1, 0.5);
+    const auto found =
+        mean_deviation(low, high, {.histogram_bins = max_histogram_bins, .histogram_end = 1});
+    ASSERT_TRUE(found) << describe(found.error());
+    ASSERT_EQ(found->histogram.size(), max_histogram_bins);
+    EXPECT_NEAR(std::accumulate(found->histogram.begin(), found->histogram.end(), 0.0), 1, 1e-12);
+    const auto more =
+        mean_deviation(low, high, {.histogram_bins = max_histogram_bins + 1, .histogram_end = 1});
+    ASSERT_FALSE(more);
+    EXPECT_EQ(more.error().where, "histogram_bins");
+}
+
+TEST(MeshDeviation, SaysThatAllOfTheMeanIsDone)
+{
+    Progress progress;
+    const auto found =
+        mean_deviation(strip(1, 0), strip(1, 0.5), {.execution = {.progress = &progress}});
+    ASSERT_TRUE(found);
+    EXPECT_STREQ(progress.stage(), "mean deviation");
+    EXPECT_EQ(progress.fraction(), 1);
+}
+
+} // namespace
+} // namespace proxima
