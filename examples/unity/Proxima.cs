@@ -1,4 +1,4 @@
-// Proxima in C# and Unity: meshes, the index and its questions, touch. Put this file into Assets, and libproxima_c.so
+// Proxima in C# and Unity: meshes, points, segments, the index and its questions, touch. Put this file into Assets, and libproxima_c.so
 // (proxima_c.dll, libproxima_c.dylib) into Assets/Plugins.
 //
 //     using (var mesh = new Proxima.TriangleMesh(vertices, triangles))
@@ -146,6 +146,22 @@ namespace Proxima
             Native.Check(Native.proxima_mesh_create(vertices, (UIntPtr)(vertices.Length / 3), triangles,
                                                     (UIntPtr)(triangles.Length / 3), out made));
             Handle = new Handle(made, Native.proxima_mesh_destroy);
+        }
+        /// A point cloud: triangle i is point i. Every query takes it.
+        public static TriangleMesh OfPoints(Vector[] points)
+        {
+            IntPtr made;
+            Native.Check(Native.proxima_mesh_of_points(points, (UIntPtr)points.Length, out made));
+            return new TriangleMesh(new Handle(made, Native.proxima_mesh_destroy));
+        }
+        /// Segments between points, two indices each, such as those of polylines: triangle i is segment i.
+        public static TriangleMesh OfSegments(Vector[] points, uint[] segments)
+        {
+            if (segments.Length % 2 != 0) throw new ArgumentException("the number of indices is no multiple of 2", "segments");
+            IntPtr made;
+            Native.Check(Native.proxima_mesh_of_segments(points, (UIntPtr)points.Length, segments,
+                                                         (UIntPtr)(segments.Length / 2), out made));
+            return new TriangleMesh(new Handle(made, Native.proxima_mesh_destroy));
         }
         public static TriangleMesh Read(string path)
         {
@@ -297,6 +313,10 @@ namespace Proxima
         [DllImport(Library, CallingConvention = CallingConvention.Cdecl)] private static extern IntPtr proxima_error_message();
         [DllImport(Library, CallingConvention = CallingConvention.Cdecl)] internal static extern int proxima_mesh_create(double[] vertices, UIntPtr vertexCount,
             uint[] triangles, UIntPtr triangleCount, out IntPtr mesh);
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl)] internal static extern int proxima_mesh_of_points(Vector[] points, UIntPtr pointCount,
+            out IntPtr mesh);
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl)] internal static extern int proxima_mesh_of_segments(Vector[] points, UIntPtr pointCount,
+            uint[] segments, UIntPtr segmentCount, out IntPtr mesh);
         [DllImport(Library, CallingConvention = CallingConvention.Cdecl)] internal static extern int proxima_mesh_read(byte[] path, out IntPtr mesh);
         [DllImport(Library, CallingConvention = CallingConvention.Cdecl)] internal static extern int proxima_mesh_sample(byte[] name, out IntPtr mesh);
         [DllImport(Library, CallingConvention = CallingConvention.Cdecl)] internal static extern void proxima_mesh_destroy(IntPtr mesh);

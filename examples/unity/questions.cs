@@ -26,6 +26,7 @@ static class Questions
             } catch (ProximaException error) {
                 Print("{0}: {1}", error.Status, error.Message.Contains("signs"));
             }
+            AskPointsAndSegments();
             using (var scene = new TouchScene(new Vector(-2, -2, -2), new Vector(2, 2, 2))) {
                 scene.Add(mesh, Pose.At(new Vector()));
                 var workspace = new Workspace {UnitsPerMetre = 20};
@@ -38,6 +39,26 @@ static class Questions
                     Print("pressed {0} N, {1} contact", tick.Force.Z > 0.5, tick.ContactCount);
                 }
             }
+        }
+    }
+
+    static void AskPointsAndSegments()
+    {
+        var corners = new[] {new Vector(0, 0, 0), new Vector(4, 0, 0), new Vector(4, 4, 0)};
+        var near = new Vector(3, 1, 0);
+        using (var cloud = TriangleMesh.OfPoints(corners))
+        using (var path = TriangleMesh.OfSegments(corners, new uint[] {0, 1, 1, 2}))
+        using (var points = new MeshIndex(cloud, Additions.None))
+        using (var segments = new MeshIndex(path, Additions.None)) {
+            var corner = points.ClosestFeature(near);
+            Print("point {0}, {1:f3}", corner.Triangle, Math.Sqrt(corner.SquaredDistance));
+            var segment = segments.ClosestFeature(new Vector(5, 1, 0));
+            Print("segment {0}, {1}", segment.Triangle, segment.Point);
+        }
+        try {
+            TriangleMesh.OfSegments(corners, new uint[] {0, 9});
+        } catch (ProximaException error) {
+            Print("{0}: {1}", error.Status, error.Message);
         }
     }
 

@@ -13,13 +13,13 @@ Ids of triangles, vertices and edges are int32, -1 for none. Lengths are in the 
 float64 in any memory order. Answers are the same for every number of threads and every instruction set.
 """
 from ._core import (Cancelled, ClosestOne, Error, FileMissing, FileNotWritable, Index, InvalidInput, LimitExceeded, Mesh,
-                    MinkowskiSum, Octree, Polyhedron, Scene, Solid, Topology, TouchRenderer, TouchScene, __version__, device_limits,
-                    minkowski_sum, motion_between, orthographic, perspective, pose_at, separation)
+                    MinkowskiSum, Octree, Polyhedron, Scene, Solid, Topology, TouchRenderer, TouchScene, __version__, both_ways,
+                    device_limits, minkowski_sum, motion_between, orthographic, perspective, pose_at, separation)
 from ._results import (CELL_KINDS, CONTACT_EVIDENCE, CONTAINMENTS, FEATURE_KINDS, HOLDS, INSIDE_METHODS, PENETRATION_METHODS, SIGN_METHODS,
                        TOUCH_FAULTS, CellsOnRays, Closest, ContactRegions, Contacts, Containments, Contour, Deviation, DeviceLimits, Distances,
-                       Facets, Field, Finding, FirstContact, HitLists, Hits, InstancePairs, InstanceTriangles, Leaves, Material, Motion,
+                       Facets, FarPlaces, Field, Finding, FirstContact, HitLists, Hits, InstancePairs, InstanceTriangles, Leaves, Material, Motion,
                        NearInstances, Nearest, Neighbours, PairLists, Pairs, Patches, PenetrationDepth, Repair, Replay, Report, SceneClosest,
-                       SceneHitLists, SceneHits, SelfIntersections, SumDistances, Texture, Touch)
+                       SceneHitLists, SceneHits, SelfIntersections, SumDistances, Texture, Touch, TwoSidedDeviation)
 
 __all__ = [
     "Mesh", "Index", "Topology", "Octree", "Polyhedron", "MinkowskiSum", "minkowski_sum", "separation", "perspective", "orthographic",
@@ -28,7 +28,7 @@ __all__ = [
     "Closest", "ClosestOne", "Hits", "HitLists", "Pairs", "PairLists", "SelfIntersections", "Containments", "Contour", "Distances",
     "SceneClosest", "SceneHits", "SceneHitLists", "InstanceTriangles", "InstancePairs", "NearInstances", "FirstContact", "PenetrationDepth",
     "ContactRegions", "PENETRATION_METHODS", "CONTACT_EVIDENCE",
-    "Neighbours", "Nearest", "Field", "Deviation", "Patches", "Leaves", "CellsOnRays", "Facets", "SumDistances", "Report", "Finding", "Repair", "Touch", "Contacts",
+    "Neighbours", "Nearest", "Field", "Deviation", "FarPlaces", "TwoSidedDeviation", "both_ways", "Patches", "Leaves", "CellsOnRays", "Facets", "SumDistances", "Report", "Finding", "Repair", "Touch", "Contacts",
     "Replay", "FEATURE_KINDS", "SIGN_METHODS", "CELL_KINDS", "INSIDE_METHODS", "CONTAINMENTS", "HOLDS", "TOUCH_FAULTS",
     "Error", "InvalidInput", "FileMissing", "FileNotWritable", "LimitExceeded", "Cancelled", "__version__",
 ]

@@ -241,11 +241,35 @@ Field = _result(
 
 Deviation = _result(
     "Deviation", "How far one surface is from another. Intervals hold the true numbers, rounding included.",
+    _defaults=(None,) * 10,
     greatest="(2,) float64: lower and upper bound of the greatest distance of its points from the other",
     point="(3,) float64: the point that is that far", closest="(3,) float64: the other's closest point",
     triangle="int: of the point", other_triangle="int: of the closest point",
-    mean="(2,) float64: bounds of the mean distance, by area; None where it was not asked for",
-    root_mean_square="(2,) float64: of the root of the mean of squared distances, or None")
+    mean="(2,) float64: bounds of the mean distance, by area; None, as all that follows, where it was not asked for",
+    root_mean_square="(2,) float64: of the root of the mean of squared distances",
+    complete="bool: whether the bounds of the greatest distance are within the tolerance",
+    mean_complete="bool: whether those of the mean are",
+    area="float: of this surface, in the square of the mesh's unit", area_error="float: by which the area may be off",
+    histogram="(bins,) float64: shares of the area by distance, in bins of one width from 0; what is beyond the end is in the "
+    "last. An estimate, the better the smaller mean_tolerance. None where all distances are 0",
+    histogram_end="float: where the last bin ends",
+    places="FarPlaces: points that are as far as the greatest, within the tolerance",
+    all_places="bool: whether every point that is as far is within three times the spacing of one of the places")
+
+FarPlaces = _result(
+    "FarPlaces", "The k points of a surface that are farthest from another one, the farthest first.",
+    distance="(k,) float64, in the mesh's unit, up to rounding", point="(k, 3) float64",
+    closest="(k, 3) float64: the other surface's closest point", triangle="(k,) int32: of the point",
+    other_triangle="(k,) int32: of the closest point")
+
+TwoSidedDeviation = _result(
+    "TwoSidedDeviation", "How far two surfaces are from each other, both ways. Intervals hold the true numbers, rounding included.",
+    _defaults=(None,) * 4,
+    greatest="(2,) float64: bounds of the Hausdorff distance, in the mesh's unit",
+    mean="(2,) float64: of the mean over both surfaces, by area: the larger one counts more. None, as all that follows, without means",
+    root_mean_square="(2,) float64: of the root mean square over both, by area",
+    larger_mean="(2,) float64: of the larger mean of both ways: each surface counts as much as the other",
+    larger_root_mean_square="(2,) float64: of the larger root mean square of both ways")
 
 Patches = _result(
     "Patches", "Triangles round n features, those of each ring by ring, ascending within a ring.",

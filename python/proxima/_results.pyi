@@ -226,8 +226,30 @@ class Deviation(NamedTuple):
     closest: NDArray[float64]
     triangle: int
     other_triangle: int
-    mean: Optional[NDArray[float64]]
-    root_mean_square: Optional[NDArray[float64]]
+    mean: Optional[NDArray[float64]] = None
+    root_mean_square: Optional[NDArray[float64]] = None
+    complete: Optional[bool] = None
+    mean_complete: Optional[bool] = None
+    area: Optional[float] = None
+    area_error: Optional[float] = None
+    histogram: Optional[NDArray[float64]] = None
+    histogram_end: Optional[float] = None
+    places: Optional[FarPlaces] = None
+    all_places: Optional[bool] = None
+
+class FarPlaces(NamedTuple):
+    distance: NDArray[float64]
+    point: NDArray[float64]
+    closest: NDArray[float64]
+    triangle: NDArray[int32]
+    other_triangle: NDArray[int32]
+
+class TwoSidedDeviation(NamedTuple):
+    greatest: NDArray[float64]
+    mean: Optional[NDArray[float64]] = None
+    root_mean_square: Optional[NDArray[float64]] = None
+    larger_mean: Optional[NDArray[float64]] = None
+    larger_root_mean_square: Optional[NDArray[float64]] = None
 
 class Patches(NamedTuple):
     first: NDArray[int64]

@@ -10,6 +10,7 @@
 
 #include "proxima/result.h"
 
+#include <cstdint>
 #include <exception>
 #include <pybind11/pybind11.h>
 #include <string>
@@ -35,6 +36,14 @@ private:
 [[noreturn]] inline void refuse(std::string argument, std::string message)
 {
     throw Failure({ErrorCode::invalid_argument, std::move(message), std::move(argument)});
+}
+
+/// A count from 0 to `most`; refuses others.
+[[nodiscard]] inline std::uint32_t count_of(std::int64_t count, const char* name,
+                                            std::uint32_t most)
+{
+    if (count < 0 || count > most) refuse(name, "must be from 0 to " + std::to_string(most));
+    return static_cast<std::uint32_t>(count);
 }
 
 /// The name of an object's type, for messages.

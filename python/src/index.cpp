@@ -226,7 +226,7 @@ lists were built for: then build anew.)")
     bind_contact(index);
     bind_near(index);
     bind_field(index);
-    bind_comparisons(index);
+    bind_comparisons(module, index);
     bind_motions(module, index);
 }
 

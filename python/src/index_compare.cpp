@@ -9,56 +9,136 @@ namespace proxima::python {
 
 namespace {
 
-py::array_t<double> numbers(std::span<const double> values)
-{
-    return array_of<double>(values);
-}
-
 py::array_t<double> bounds_array(const DistanceBounds& bounds)
 {
-    return numbers(std::array{bounds.lower, bounds.upper});
+    return array_of<double>(std::span<const double>(std::array{bounds.lower, bounds.upper}));
+}
+
+/// Bounds that Python handed back: of a field of a Deviation.
+DistanceBounds bounds_of(const py::object& deviation, const char* field)
+{
+    const py::array_t<double> bounds = doubles_of(deviation.attr(field), field);
+    if (bounds.size() != 2) refuse(field, "must be a lower and an upper bound");
+    return {bounds.data()[0], bounds.data()[1]};
+}
+
+py::object columns_of(std::span<const FarPlace> places)
+{
+    const std::size_t size = places.size();
+    auto distance = new_array<double>(size);
+    auto point = new_rows<double>(size, 3);
+    auto closest = new_rows<double>(size, 3);
+    auto triangle = new_array<std::int32_t>(size);
+    auto other_triangle = new_array<std::int32_t>(size);
+    for (std::size_t i = 0; i < size; ++i) {
+        distance.mutable_data()[i] = places[i].distance;
+        elements_of<Vec3>(point)[i] = places[i].point_a;
+        elements_of<Vec3>(closest)[i] = places[i].point_b;
+        triangle.mutable_data()[i] = static_cast<std::int32_t>(to_index(places[i].triangle_a));
+        other_triangle.mutable_data()[i] =
+            static_cast<std::int32_t>(to_index(places[i].triangle_b));
+    }
+    return result_type("FarPlaces")(distance, point, closest, triangle, other_triangle);
 }
 
 py::object deviation(const MeshIndex& index, const MeshIndex& other, double tolerance, bool mean,
-                     double mean_tolerance, int threads, const py::object& progress)
+                     double mean_tolerance, std::int64_t max_places, double place_spacing,
+                     std::int64_t bins, double histogram_end, std::uint64_t max_splits, int threads,
+                     const py::object& progress)
 {
-    const Threads thread_count = threads_of(threads);
-    const GreatestDeviation greatest = run(progress, Duration::lengthy, [&](Progress* watched) {
-        return greatest_deviation(
-            index, other,
-            {.tolerance = tolerance, .execution = {.threads = thread_count, .progress = watched}});
-    });
-    py::object mean_bounds = py::none();
-    py::object square_bounds = py::none();
-    if (mean) {
-        const MeanDeviation found = run(progress, Duration::lengthy, [&](Progress* watched) {
-            return mean_deviation(index, other,
-                                  {.tolerance = mean_tolerance,
-                                   .execution = {.threads = thread_count, .progress = watched}});
+    if (bins != 0 && !mean) refuse("bins", "a histogram needs mean=True");
+    Execution execution{.threads = threads_of(threads)};
+    GreatestDeviationOptions greatest_options{
+        .tolerance = tolerance,
+        .max_places = count_of(max_places, "max_places", max_deviation_places),
+        .place_spacing = place_spacing,
+        .max_splits = max_splits};
+    MeanDeviationOptions mean_options{.tolerance = mean_tolerance,
+                                      .histogram_bins = count_of(bins, "bins", max_histogram_bins),
+                                      .histogram_end = histogram_end,
+                                      .max_splits = max_splits};
+    const auto measure = [&](auto&& function, auto& options) {
+        return run(progress, Duration::lengthy, [&](Progress* watched) {
+            execution.progress = watched;
+            options.execution = execution;
+            return function(index, other, options);
         });
-        mean_bounds = bounds_array(found.mean);
-        square_bounds = bounds_array(found.root_mean_square);
+    };
+    const GreatestDeviation greatest = measure(greatest_deviation, greatest_options);
+    py::dict columns;
+    columns["complete"] = greatest.is_complete;
+    if (mean) {
+        if (histogram_end == 0) mean_options.histogram_end = greatest.distance.upper;
+        if (mean_options.histogram_end == 0) mean_options.histogram_bins = 0; // all distances are 0
+        const MeanDeviation found = measure(mean_deviation, mean_options);
+        columns["mean"] = bounds_array(found.mean);
+        columns["root_mean_square"] = bounds_array(found.root_mean_square);
+        columns["mean_complete"] = found.is_complete;
+        columns["area"] = found.area;
+        columns["area_error"] = found.area_error;
+        if (!found.histogram.empty()) {
+            columns["histogram"] = array_of<double>(std::span<const double>(found.histogram));
+            columns["histogram_end"] = mean_options.histogram_end;
+        }
+    }
+    if (max_places > 0) {
+        columns["places"] = columns_of(greatest.places);
+        columns["all_places"] = greatest.has_all_places;
     }
     return result_type("Deviation")(bounds_array(greatest.distance), vector_of(greatest.point_a),
                                     vector_of(greatest.point_b), to_index(greatest.triangle_a),
-                                    to_index(greatest.triangle_b), mean_bounds, square_bounds);
+                                    to_index(greatest.triangle_b), **columns);
+}
+
+py::object two_sided(const py::object& there, const py::object& back)
+{
+    const auto mean_of = [](const py::object& deviation) {
+        MeanDeviation mean;
+        mean.mean = bounds_of(deviation, "mean");
+        mean.root_mean_square = bounds_of(deviation, "root_mean_square");
+        mean.area = deviation.attr("area").cast<double>();
+        mean.area_error = deviation.attr("area_error").cast<double>();
+        return mean;
+    };
+    const auto greatest =
+        bounds_array(both_ways(bounds_of(there, "greatest"), bounds_of(back, "greatest")));
+    const py::object type = result_type("TwoSidedDeviation");
+    if (there.attr("mean").is_none() || back.attr("mean").is_none()) return type(greatest);
+    const TwoSidedMean both = both_ways(mean_of(there), mean_of(back));
+    return type(greatest, bounds_array(both.mean), bounds_array(both.root_mean_square),
+                bounds_array(both.larger_mean), bounds_array(both.larger_root_mean_square));
 }
 
 } // namespace
 
-void bind_comparisons(py::class_<MeshIndex>& index)
+void bind_comparisons(py::module_& module, py::class_<MeshIndex>& index)
 {
     index.def(
         "deviation", &deviation, py::arg("other"), py::kw_only(), py::arg("tolerance") = 0.0,
-        py::arg("mean") = true, py::arg("mean_tolerance") = 0.0, py::arg("threads") = 0,
+        py::arg("mean") = true, py::arg("mean_tolerance") = 0.0, py::arg("max_places") = 0,
+        py::arg("place_spacing") = 0.0, py::arg("bins") = 0, py::arg("histogram_end") = 0.0,
+        py::arg("max_splits") = default_deviation_splits, py::arg("threads") = 0,
         py::arg("progress") = py::none(),
         R"(How far this surface is from another one at most and on average, as a Deviation: intervals that hold the true numbers.
 
-    tolerance       how far the bounds of the greatest distance may be apart; 0: 1e-6 of the meshes' common diagonal
+    tolerance       how far the bounds of the greatest distance may be apart, in the mesh's unit; 0: 1e-6 of the meshes' common diagonal
     mean            with mean and root mean square by area, which take longer
     mean_tolerance  the same of the mean; 0: 1e-5 of the diagonal
+    max_places      up to so many points that are as far as any within the tolerance, 256 at most
+    place_spacing   how far these are from each other at least, in the mesh's unit; 0: 0.01 of the diagonal
+    bins            with a histogram of the distances by area, of so many bins, 4096 at most; needs the mean
+    histogram_end   where its last bin ends, in the mesh's unit; 0: at the greatest distance
+    max_splits      how often parts of triangles are cut at most; then the bounds are wider
 
-Looks from this surface to the other alone; the larger of both ways is the Hausdorff distance.)");
+Looks from this surface to the other alone: both_ways(a.deviation(b), b.deviation(a)) has the Hausdorff distance and the means
+over both. Raises InvalidInput for an empty mesh, and with the mean for one without area; LimitExceeded, Cancelled.)");
+    module.def(
+        "both_ways", &two_sided, py::arg("there"), py::arg("back"),
+        R"(What two Deviations, from A to B and from B to A, say of both surfaces, as a TwoSidedDeviation.
+
+    proxima.both_ways(a.deviation(b), b.deviation(a)).greatest    # bounds of the Hausdorff distance
+
+Without means where one of them has none.)");
 }
 
 } // namespace proxima::python

@@ -115,15 +115,13 @@ struct PartColumns {
     py::array_t<std::int32_t> ids;
 };
 
-py::object contour(const MeshIndex& index, const MeshIndex& other, const py::object& pose)
+py::object contour(const MeshIndex& index, const MeshIndex& other, const py::object& pose,
+                   const py::object& progress)
 {
     const RigidTransform moved = pose_of(pose);
-    IntersectionContour found;
-    {
-        const py::gil_scoped_release unlocked;
-        found = intersection_contour(index, other, moved);
-    }
-    return contour_columns(found);
+    return contour_columns(run(progress, Duration::lengthy, [&](Progress* watched) {
+        return intersection_contour(index, other, moved, {{.progress = watched}});
+    }));
 }
 
 } // namespace
@@ -178,7 +176,8 @@ numbers decide. Each call finds out how both insides are told, up to 1 us per tr
 Exact for closed meshes, whichever way they face; of open ones winding numbers decide. Needs no signs. Up to 1 us per
 triangle for each call, and 6 us per point on a scan of 70,000 triangles.)")
         .def(
-            "contour", &contour, py::arg("other"), py::arg("pose") = py::none(),
+            "contour", &contour, py::arg("other"), py::arg("pose") = py::none(), py::kw_only(),
+            py::arg("progress") = py::none(),
             R"(The lines along which this surface and another one, moved by a pose (3, 4) or (4, 4), meet, as a Contour.
 
 Those of closed meshes that pass through each other are closed. Exact but for the rounding of points. About 4 us per pair of

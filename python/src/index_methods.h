@@ -37,7 +37,7 @@ void bind_pairs(py::class_<MeshIndex>& index);
 void bind_contact(py::class_<MeshIndex>& index);
 void bind_near(py::class_<MeshIndex>& index);
 void bind_field(py::class_<MeshIndex>& index);
-void bind_comparisons(py::class_<MeshIndex>& index);
+void bind_comparisons(py::module_& module, py::class_<MeshIndex>& index);
 void bind_motions(py::module_& module, py::class_<MeshIndex>& index);
 
 } // namespace proxima::python

@@ -36,20 +36,14 @@ py::object overlaps(const Solid& self, const Solid& other, const py::object& pos
     return answers;
 }
 
-std::uint32_t count_of(std::int64_t count, const char* name)
-{
-    if (count < 0 || count > max_penetration_search)
-        refuse(name, "must be from 0 to " + std::to_string(max_penetration_search));
-    return static_cast<std::uint32_t>(count);
-}
-
 py::object depth_of(const Solid& self, const Solid& other, const py::object& pose,
                     std::int64_t max_points, std::int64_t max_directions,
                     const py::object& progress)
 {
     const RigidTransform moved = pose_of(pose);
-    PenetrationOptions options{.max_points = count_of(max_points, "max_points"),
-                               .max_directions = count_of(max_directions, "max_directions")};
+    PenetrationOptions options{
+        .max_points = count_of(max_points, "max_points", max_penetration_search),
+        .max_directions = count_of(max_directions, "max_directions", max_penetration_search)};
     const PenetrationDepth found = run(progress, Duration::lengthy, [&](Progress* watched) {
         options.execution.progress = watched;
         return penetration_depth(self, other, moved, options);

@@ -66,6 +66,15 @@ def test_contour_of_two_balls_is_a_circle():
     assert len(a.contour(b, at(5, 0, 0)).closed) == 0 and a.contour(b, at(5, 0, 0)).length == 0
 
 
+def test_contours_tell_their_progress_and_can_be_stopped():
+    fine = proxima.Index(proxima.Mesh.sample("icosphere:6"))
+    stages = []
+    lines = fine.contour(fine, at(1e-3, 0, 0), progress=lambda stage, part: stages.append((stage, part)))
+    assert lines.length > 0 and "finding the intersection contour" in {stage for stage, _ in stages}
+    with pytest.raises(proxima.Cancelled):
+        fine.contour(fine, at(1e-3, 0, 0), progress=lambda stage, part: False)
+
+
 def test_contour_takes_one_pose(index):
     with pytest.raises(proxima.InvalidInput, match=r"pose: must be one pose, of shape \(3, 4\) or \(4, 4\)"):
         index.contour(index, np.tile(np.eye(4), (2, 1, 1)))

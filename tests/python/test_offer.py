@@ -141,7 +141,19 @@ OFFERED = {
         "GreatestDeviation.distance DistanceBounds.lower DistanceBounds.upper": "Deviation.greatest",
         "GreatestDeviation.point_a": "Deviation.point", "GreatestDeviation.point_b": "Deviation.closest",
         "GreatestDeviation.triangle_a": "Deviation.triangle", "GreatestDeviation.triangle_b": "Deviation.other_triangle",
-        "MeanDeviation.mean": "Deviation.mean", "MeanDeviation.root_mean_square": "Deviation.root_mean_square"},
+        "GreatestDeviation.is_complete": "Deviation.complete", "GreatestDeviation.places": "Deviation.places",
+        "GreatestDeviation.has_all_places": "Deviation.all_places",
+        "GreatestDeviationOptions.max_places GreatestDeviationOptions.place_spacing GreatestDeviationOptions.max_splits "
+        "MeanDeviationOptions.max_splits MeanDeviationOptions.histogram_bins": "Index.deviation",
+        "MeanDeviation.mean": "Deviation.mean", "MeanDeviation.root_mean_square": "Deviation.root_mean_square",
+        "MeanDeviation.is_complete": "Deviation.mean_complete", "MeanDeviation.area": "Deviation.area",
+        "MeanDeviation.area_error": "Deviation.area_error", "MeanDeviation.histogram": "Deviation.histogram",
+        "MeanDeviationOptions.histogram_end": "Deviation.histogram_end", "FarPlace.distance": "FarPlaces.distance",
+        "FarPlace.point_a": "FarPlaces.point", "FarPlace.point_b": "FarPlaces.closest", "FarPlace.triangle_a": "FarPlaces.triangle",
+        "FarPlace.triangle_b": "FarPlaces.other_triangle", "both_ways": "both_ways", "TwoSidedMean.mean": "TwoSidedDeviation.mean",
+        "TwoSidedMean.root_mean_square": "TwoSidedDeviation.root_mean_square",
+        "TwoSidedMean.larger_mean": "TwoSidedDeviation.larger_mean",
+        "TwoSidedMean.larger_root_mean_square": "TwoSidedDeviation.larger_root_mean_square"},
     "distance_field.h": {
         "distance_field": "Field", "grid_around GridOptions.resolution GridOptions.spacing GridOptions.margin FieldOptions.band": "Index.distance_field",
         "FieldOutputs.distances": "Field.distance", "FieldOutputs.gradients": "Field.gradient", "FieldOutputs.methods": "Field.method",
@@ -292,14 +304,9 @@ LEFT_OUT = {
         "MinkowskiSum.holds_line MinkowskiSum.is_all_of_space MinkowskiSum.is_bounded MinkowskiSum.is_ray":
         "unbounded polyhedra: " + NOT_YET, "MinkowskiSum.normal_factors MinkowskiSum.scale MinkowskiSum.scaled": STRUCTURE},
     "mesh_deviation.h": {
-        "both_ways": "the maximum of both", "GreatestDeviation.is_complete MeanDeviation.is_complete": "the interval says how near the bounds are",
-        "GreatestDeviation.splits MeanDeviation.splits GreatestDeviationOptions.max_splits MeanDeviationOptions.max_splits "
-        "GreatestDeviationOptions.default_tolerance MeanDeviationOptions.default_tolerance MeanDeviation.area MeanDeviation.histogram "
-        "MeanDeviationOptions.histogram_bins MeanDeviationOptions.histogram_end MeanDeviation.area_error "
-        "GreatestDeviation.places GreatestDeviation.has_all_places GreatestDeviationOptions.max_places "
-        "GreatestDeviationOptions.place_spacing GreatestDeviationOptions.default_spacing FarPlace.distance FarPlace.point_a FarPlace.point_b FarPlace.triangle_a "
-        "FarPlace.triangle_b TwoSidedMean.mean TwoSidedMean.root_mean_square TwoSidedMean.larger_mean "
-        "TwoSidedMean.larger_root_mean_square": NOT_YET},
+        "GreatestDeviation.splits MeanDeviation.splits": "for tuning",
+        "GreatestDeviationOptions.default_tolerance MeanDeviationOptions.default_tolerance "
+        "GreatestDeviationOptions.default_spacing": "the docstring of Index.deviation tells them"},
     "distance_field.h": {"PointGrid.point PointGrid.position PointGrid.point_count": NAMES},
     "neighbourhood.h": {
         "collect_features NearestFeature.feature NearestFeature.squared": NOT_YET, "Neighbourhood.complete Neighbourhood.written": NAMES,
@@ -347,7 +354,7 @@ PYTHONS_OWN = {
     "Hits.hit Pairs.intersecting PairLists.intersecting": "made of the columns", "Scene.shape Scene.layers": "columns of instances",
     "Closest ClosestOne Hits Pairs Distances Leaves SumDistances Report Finding Repair SelfIntersections "
     "SceneClosest SceneHits InstanceTriangles InstancePairs NearInstances Motion FirstContact PenetrationDepth ContactRegions "
-    "NearInstances.triangle_a NearInstances.triangle_b Containments Contour Field Nearest CellsOnRays CellsOnRays.first Material Texture DeviceLimits Touch Contacts "
+    "NearInstances.triangle_a NearInstances.triangle_b Containments Contour FarPlaces TwoSidedDeviation TwoSidedDeviation.greatest Field Nearest CellsOnRays CellsOnRays.first Material Texture DeviceLimits Touch Contacts "
     "Contour.ids_b SelfIntersections.b": "tuples of columns",
     "SceneClosest.triangle SceneClosest.feature_kind SceneClosest.barycentric": "named as the columns of Closest",
     "SceneHits.t SceneHits.triangle SceneHits.u SceneHits.v SceneHitLists.first SceneHitLists.instance SceneHitLists.t "

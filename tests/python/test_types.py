@@ -118,8 +118,8 @@ def test_dtypes_of_columns():
     answers += [mesh.report(), proxima.Mesh(mesh.vertices[:3], [[0, 1, 2]]).report().findings[0], mesh.repair()]
     answers += [index.self_intersections(), index.contour(index, np.eye(4)[:3] + 0.1 * np.eye(3, 4, 3)),
                 proxima.Octree(mesh).along_rays([[0, 0, 3]], [[0, 0, -1]]), proxima.Material(), proxima.Texture(), proxima.DeviceLimits()]
-    answers += [proxima.TouchRenderer(mesh).step(np.zeros((3, 3))), index.deviation(index)]
-    answers += [answers[-2].contacts]
+    answers += [proxima.TouchRenderer(mesh).step(np.zeros((3, 3))), index.deviation(index, max_places=1)]
+    answers += [answers[-2].contacts, answers[-1].places, proxima.both_ways(answers[-1], answers[-1])]
     scene, solid = proxima.Scene(index, [np.eye(4), np.eye(4)]), proxima.Solid(mesh)
     rays = ([0, 0, 3], [[0, 0, -1]])
     answers += [scene.closest([[0, 0, 3]]), scene.cast(*rays), scene.cast(*rays, hits="all"), scene.in_contact(), scene.within(1),
