@@ -45,6 +45,9 @@ public:
     /// Bytes that this rank sent to others, but for messages of a few numbers. Not collective.
     [[nodiscard]] std::uint64_t sent_bytes() const noexcept { return sent_bytes_; }
 
+    /// Messages that had these bytes; each rank that gets an item of all_gather counts. Not collective.
+    [[nodiscard]] std::uint64_t sent_messages() const noexcept { return sent_messages_; }
+
     /// On all ranks, the error of the lowest rank that has one.
     [[nodiscard]] Status agree(const Status& status) const;
 
@@ -124,6 +127,7 @@ public:
         MPI_Allgatherv(items.data(), static_cast<int>(own), type.value, received.items.data(),
                        counts.data(), offsets.data(), type.value, MPI_COMM_WORLD);
         sent_bytes_ += own * sizeof(T) * (ranks - 1);
+        if (own > 0) sent_messages_ += ranks - 1;
         return received;
     }
 
@@ -215,7 +219,9 @@ private:
                 offsets[r] = static_cast<int>(total);
                 counts[r] = static_cast<int>(outgoing[r].size());
                 total += outgoing[r].size();
-                if (static_cast<int>(r) != rank_) sent_bytes_ += outgoing[r].size() * sizeof(T);
+                if (static_cast<int>(r) == rank_ || outgoing[r].empty()) continue;
+                sent_bytes_ += outgoing[r].size() * sizeof(T);
+                ++sent_messages_;
             }
             sent.reserve(total);
             for (auto& items : outgoing) {
@@ -254,6 +260,7 @@ private:
     int rank_ = 0;
     int size_ = 1;
     std::uint64_t sent_bytes_ = 0;
+    std::uint64_t sent_messages_ = 0;
     double work_seconds_ = 0;
     Progress progress_;
 };
