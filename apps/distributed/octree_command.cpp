@@ -69,8 +69,8 @@ std::string ranks_text(const OctreePart& part, const World& world)
     const auto messages = world.gather(world.sent_messages());
     const auto work = world.gather(static_cast<std::uint64_t>(1e6 * part.work_seconds));
     const auto peak = world.gather(peak_megabytes());
-    TextTable table({"Rank", "Cells", "Triangles", "Pointers", "Work us", "Messages",
-                     "Bytes sent", "Peak MB"});
+    TextTable table(
+        {"Rank", "Cells", "Triangles", "Pointers", "Work us", "Messages", "Bytes sent", "Peak MB"});
     for (std::size_t r = 0; r < triangles.size(); ++r) {
         table.add_row({to_text(r), to_text(cells[r]), to_text(triangles[r]), to_text(references[r]),
                        to_text(work[r]), to_text(messages[r]), to_text(sent[r]), to_text(peak[r])});

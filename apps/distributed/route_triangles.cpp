@@ -81,7 +81,8 @@ struct Messages {
 /// Which ranks get which triangles and bins of a slice.
 struct Owners {
     std::vector<std::vector<std::uint32_t>> triangles; ///< by rank, ascending
-    std::vector<std::size_t> end; ///< of the rank's bins, which begin where those of a rank before end
+    std::vector<std::size_t>
+        end; ///< of the rank's bins, which begin where those of a rank before end
 };
 
 Owners find_owners(const CoarseBins& bins, const RoutedForest& forest, std::size_t triangle_count,
@@ -119,8 +120,7 @@ class Packer {
 public:
     explicit Packer(const MeshSlice& slice)
         : slice_(slice), is_packed_(slice.mesh.triangle_count()),
-          triangle_numbers_(slice.mesh.triangle_count()),
-          vertex_numbers_(slice.mesh.vertex_count())
+          triangle_numbers_(slice.mesh.triangle_count()), vertex_numbers_(slice.mesh.vertex_count())
     {}
 
     void pack(const std::vector<std::uint32_t>& ids, std::vector<RoutedTriangle>& triangles,
@@ -179,8 +179,7 @@ Result<Messages> pack_all(const MeshSlice& slice, const CoarseBins& bins,
         packer.pack(owners.triangles[r], messages.triangles[r], messages.vertices[r]);
         packer.pack_bins(bins, first, end, messages.bins[r]);
         std::vector<std::uint32_t>().swap(owners.triangles[r]);
-        if (!steps.done(bins.first[end] - bins.first[first]))
-            return cancelled("routing triangles");
+        if (!steps.done(bins.first[end] - bins.first[first])) return cancelled("routing triangles");
         first = end;
     }
     return messages;
