@@ -2,6 +2,7 @@
 """Measures proxima-mpi beside proxima on this machine, and prints a table of medians in Markdown.
 
     distributed_bench.py PROXIMA PROXIMA_MPI [--mesh NAME]... [--depth N] [--threshold N] [--rounds N]
+    distributed_bench.py PROXIMA PROXIMA_MPI --model [--rounds N]      fits a model of the cost (distributed_model.py)
 
 A round runs, one after the other: one process on one thread; one rank; two ranks; two runs of one rank at once, which share the
 machine as two ranks do and so tell how much faster two ranks could be here at best. All build with classes; reading does not count.
@@ -15,6 +16,9 @@ import statistics
 import subprocess
 from dataclasses import dataclass
 
+import distributed_model
+from distributed_model import rank_rows, ranks_command
+
 
 @dataclass
 class Run:
@@ -24,16 +28,10 @@ class Run:
     sent_bytes: int = 0  # by all ranks
 
 
-def ranks_command(program, ranks, arguments):
-    root = ["--allow-run-as-root"] if os.geteuid() == 0 else []
-    # Containers forbid the copies between processes that Open MPI would make by a system call.
-    return ["mpirun", *root, "--oversubscribe", "-n", str(ranks), "--mca", "btl_vader_single_copy_mechanism", "none", program, "octree", *arguments]
-
-
 def ranks_run(output):
-    rows = re.findall(r"^ *\d+ +\d+ +\d+ +\d+ +(\d+) +(\d+)$", output, re.M)
+    rows = rank_rows(output)
     seconds, work = re.search(r"built in ([\d.]+) s, the busiest rank's work ([\d.]+) s", output).groups()
-    return Run(float(seconds), float(work), max(int(peak) for _, peak in rows), sum(int(sent) for sent, _ in rows))
+    return Run(float(seconds), float(work), max(row["Peak MB"] for row in rows), sum(row["Bytes sent"] for row in rows))
 
 
 def at_once(commands):
@@ -84,7 +82,11 @@ def main():
     parser.add_argument("--depth", type=int, default=9)
     parser.add_argument("--threshold", type=int, default=8)
     parser.add_argument("--rounds", type=int, default=5)
+    parser.add_argument("--model", action="store_true")
     options = parser.parse_args()
+    if options.model:
+        distributed_model.report(options.proxima_mpi, options.rounds)
+        return
     print(f"Depth {options.depth}, threshold {options.threshold}, medians of {options.rounds} rounds.\n")
     print("| Mesh | Work of one process | of one rank | ratio | of two ranks | one rank to two | Seconds of these | One rank to two, of at best | Peak of one, of two | Sent by two |")
     print("|---|---|---|---|---|---|---|---|---|---|")

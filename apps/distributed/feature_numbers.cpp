@@ -1,7 +1,7 @@
 #include "distributed/feature_numbers.h"
 
 #include "distributed/order_by_key.h"
-#include "mesh/surface_parts.h"
+#include "distributed/whole_edges.h"
 
 #include <algorithm>
 #include <span>
@@ -15,7 +15,6 @@ struct SliceEdge {
     std::uint64_t low = 0; ///< vertices of the whole
     std::uint64_t high = 0;
     std::uint64_t first_side = 0; ///< 3 times the triangle of the whole, and the side
-    std::int64_t balance = 0;     ///< triangles from low to high, less those from high to low
 };
 
 struct SliceVertex {
@@ -29,18 +28,6 @@ std::size_t rank_of(std::uint64_t low, std::uint64_t high, std::size_t ranks) no
     std::uint64_t mixed = (low ^ high << 32U ^ high >> 32U) * 0x9E3779B97F4A7C15U;
     mixed = (mixed ^ mixed >> 32U) * 0xD6E8FEB86659FD93U;
     return (mixed ^ mixed >> 32U) % ranks;
-}
-
-/// Calls visit(group) for each run of equal keys.
-template <class Visit>
-void each_group(std::span<const KeyedIndex> order, const Visit& visit)
-{
-    for (std::size_t first = 0; first < order.size();) {
-        std::size_t end = first + 1;
-        while (end < order.size() && order[first].key == order[end].key) ++end;
-        visit(order.subspan(first, end - first));
-        first = end;
-    }
 }
 
 /// Edges by their ends; equal ones keep their order.
@@ -80,6 +67,9 @@ public:
         if (status) status = compare_edges();
         if (status) status = number_edges_of_slice();
         if (!status) return tl::unexpected(status.error());
+        const auto unbalanced = whole_unbalanced_edges(slice_, world_);
+        if (!unbalanced) return tl::unexpected(unbalanced.error());
+        features_.unbalanced_edges = world_.sum(std::uint64_t{unbalanced->size()});
         return std::move(features_);
     }
 
@@ -140,23 +130,17 @@ private:
         if (!received) return tl::unexpected(received.error());
         edges_ = std::move(*received);
         std::vector<std::uint64_t> first_sides;
-        std::uint64_t unbalanced = 0;
         status = world_.agree_on([&]() -> Status {
             // Slices ascend, and so the first sides of an edge.
             order_ = order_by_ends(edges_.items);
             first_sides.resize(edges_.items.size());
             each_group(order_, [&](std::span<const KeyedIndex> group) {
-                std::int64_t balance = 0;
-                for (const KeyedIndex& at : group) {
+                for (const KeyedIndex& at : group)
                     first_sides[at.index] = edges_.items[group.front().index].first_side;
-                    balance += edges_.items[at.index].balance;
-                }
-                unbalanced += balance == 0 ? 0 : 1;
             });
             return {};
         });
         if (!status) return status;
-        features_.unbalanced_edges = world_.sum(unbalanced);
         const auto answers = world_.reply(edges_, std::move(first_sides));
         if (!answers) return tl::unexpected(answers.error());
         for (std::size_t r = 0; r < ranks_; ++r) {
@@ -186,7 +170,6 @@ private:
                 SliceEdge& edge = edges[to_index(id)];
                 edge.low = slice_.vertices[std::min(from, to)];
                 edge.high = slice_.vertices[std::max(from, to)];
-                if (detail::is_proper(corners)) edge.balance += from < to ? 1 : -1;
             }
         }
         sent_.resize(ranks_);

@@ -52,19 +52,15 @@ std::uint64_t cell_of(const Triangle& triangle, const OctreeFrame& frame, int de
     return morton_code(at);
 }
 
-/// How many triangles each cell of each depth has. Throws std::bad_alloc.
-std::vector<std::vector<CellCount>> count_cells(const std::vector<std::uint64_t>& cells, int depth)
+/// How many triangles each cell of each depth has; every triangle is in one cell of a depth. Throws
+/// std::bad_alloc.
+CellCounts count_cells(const std::vector<std::uint64_t>& cells, int depth)
 {
+    CellCounts counts(depth);
     const auto order = order_by_key(cells.size(), [&](std::uint32_t t) { return cells[t]; });
-    std::vector<std::vector<CellCount>> counts(static_cast<std::size_t>(depth) + 1);
-    for (int level = 0; level <= depth; ++level) {
-        auto& at_level = counts[static_cast<std::size_t>(level)];
-        for (const KeyedIndex& at : order) {
-            const std::uint64_t above = at.key >> 3 * (depth - level);
-            if (at_level.empty() || at_level.back().cell != above) at_level.push_back({above, 0});
-            ++at_level.back().triangles;
-        }
-    }
+    each_group(order, [&](std::span<const KeyedIndex> group) {
+        counts.add(group.front().key, {group.size()});
+    });
     return counts;
 }
 
@@ -198,7 +194,7 @@ Result<ReceivedPart> share_triangles(MeshSlice slice, const SliceFeatures& featu
                                      const OctreeFrame& frame, int depth, World& world)
 {
     std::vector<std::uint64_t> cells; // by triangle
-    std::vector<std::vector<CellCount>> counts;
+    CellCounts counts(depth);
     Status status = world.agree_on([&]() -> Status {
         const auto count = static_cast<std::uint32_t>(slice.mesh.triangle_count());
         cells.reserve(count);

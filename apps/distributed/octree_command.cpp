@@ -6,6 +6,7 @@
 #include "distributed/export_part.h"
 #include "distributed/load_part.h"
 #include "distributed/mesh_input.h"
+#include "distributed/route_triangles.h"
 #include "distributed/save_part.h"
 #include "distributed/verify_octree.h"
 #include "distributed/whole_caps.h"
@@ -65,11 +66,14 @@ std::string ranks_text(const OctreePart& part, const World& world)
     const auto cells = world.gather(part.cells.size());
     const auto references = world.gather(part.octree.references().size());
     const auto sent = world.gather(world.sent_bytes());
+    const auto messages = world.gather(world.sent_messages());
+    const auto work = world.gather(static_cast<std::uint64_t>(1e6 * part.work_seconds));
     const auto peak = world.gather(peak_megabytes());
-    TextTable table({"Rank", "Cells", "Triangles", "Pointers", "Bytes sent", "Peak MB"});
+    TextTable table(
+        {"Rank", "Cells", "Triangles", "Pointers", "Work us", "Messages", "Bytes sent", "Peak MB"});
     for (std::size_t r = 0; r < triangles.size(); ++r) {
         table.add_row({to_text(r), to_text(cells[r]), to_text(triangles[r]), to_text(references[r]),
-                       to_text(sent[r]), to_text(peak[r])});
+                       to_text(work[r]), to_text(messages[r]), to_text(sent[r]), to_text(peak[r])});
     }
     return table.text();
 }
@@ -145,12 +149,13 @@ Result<OctreePart> octree_of(const OctreeRunOptions& options, World& world, std:
     auto part = build_part(std::move(*slice), tight_root(*box, RootShape::cube), options, world);
     if (!part) return part;
     part->whole_triangles = whole_triangles;
+    part->work_seconds = world.work_seconds() - work_before;
     MPI_Barrier(MPI_COMM_WORLD);
     line =
         fmt::format("{}: {} triangles, {} ranks, read in {:.3f} s, built in {:.3f} s, the busiest "
                     "rank's work {:.3f} s",
                     options.model, whole_triangles, world.size(), loaded - start,
-                    MPI_Wtime() - loaded, world.max(world.work_seconds() - work_before));
+                    MPI_Wtime() - loaded, world.max(part->work_seconds));
     return part;
 }
 
@@ -216,8 +221,8 @@ std::function<Status(World&)> add_octree_command(CLI::App& app)
         ->check(CLI::Range(0U, 1U << 30U));
     command
         ->add_option("--routing-depth", options->routing_depth,
-                     "Deepest level whose cells are shared out, 0 to 6 (default 5)")
-        ->check(CLI::Range(0, 6));
+                     "Deepest level whose cells are shared out, 0 to 7 (default 5)")
+        ->check(CLI::Range(0, max_routing_depth));
     command->add_flag("--verify", options->is_verified,
                       "Build the whole octree on the first process, too, and compare");
     command->add_option("--save", options->save, "Write the octree's own format, as proxima does")

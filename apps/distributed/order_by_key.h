@@ -7,6 +7,7 @@
 #include <bit>
 #include <cstddef>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 namespace proxima {
@@ -25,6 +26,18 @@ template <class KeyOf>
     StageSteps unwatched(nullptr, "", 0);
     (void)radix_sort(order, static_cast<unsigned>(std::bit_width(most)), unwatched);
     return order;
+}
+
+/// Calls visit(group) for each run of equal keys.
+template <class Visit>
+void each_group(std::span<const KeyedIndex> order, const Visit& visit)
+{
+    for (std::size_t first = 0; first < order.size();) {
+        std::size_t end = first + 1;
+        while (end < order.size() && order[first].key == order[end].key) ++end;
+        visit(order.subspan(first, end - first));
+        first = end;
+    }
 }
 
 } // namespace proxima

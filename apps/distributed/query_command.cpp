@@ -67,7 +67,7 @@ std::function<Status(World&)> add_command(CLI::App& app, const char* name, const
         ->type_name("FILE");
     command
         ->add_option("--routing-depth", options->routing_depth,
-                     "Deepest level whose cells are shared out, 0 to 6 (default 5)")
+                     "Deepest level whose cells are shared out, 0 to 7 (default 5)")
         ->check(CLI::Range(0, max_routing_depth));
     command->add_flag("--verify", options->is_verified,
                       "Answer all on the first process, too, and compare");

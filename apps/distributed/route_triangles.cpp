@@ -1,13 +1,12 @@
 #include "distributed/route_triangles.h"
 
 #include "base/progress.h"
-#include "base/radix_sort.h"
 #include "distributed/local_numbers.h"
-#include "octree/coarse_bins.h"
 
 #include <algorithm>
 #include <bit>
 #include <limits>
+#include <utility>
 
 namespace proxima {
 
@@ -48,57 +47,80 @@ CoarseBins bins_of(const TriangleMesh& mesh, const OctreeFrame& frame, int depth
     return bin_triangles(snapped, depth, Threads{1}, progress);
 }
 
-/// Sets `ids` to the distinct triangles of a cell at or above the depth of the bins, ascending.
-void merge(const CoarseBins& bins, std::uint64_t cell, int depth, std::vector<std::uint32_t>& ids)
-{
-    const int shift = 3 * (bins.depth - depth);
-    const std::uint32_t first = bins.first[cell << shift];
-    const std::uint32_t end = bins.first[(cell + 1) << shift];
-    const auto below = bins.ids.span().subspan(first, end - first);
-    ids.assign(below.begin(), below.end());
-    if (shift == 0) return;
-    std::ranges::sort(ids);
-    ids.erase(std::unique(ids.begin(), ids.end()), ids.end());
-}
-
 constexpr std::uint32_t none = std::numeric_limits<std::uint32_t>::max();
 
 /// How many triangles touch the cells of each depth. Cells follow in Morton order, so that a triangle
-/// was counted for a cell before iff it was counted for that one last.
-std::vector<std::vector<CellCount>> count_cells(const CoarseBins& bins, std::size_t triangles)
+/// was counted for a cell before iff that cell contains the bin in which it was last.
+CellCounts count_cells(const CoarseBins& bins, std::size_t triangles)
 {
-    std::vector<std::vector<CellCount>> counts;
-    std::vector<std::uint32_t> last_cell;
-    for (int depth = 0; depth <= bins.depth; ++depth) {
-        const int shift = 3 * (bins.depth - depth);
-        last_cell.assign(triangles, none);
-        auto& at_depth = counts.emplace_back();
-        for (std::size_t bin = 0; bin < bins.cell_count(); ++bin) {
-            const auto cell = static_cast<std::uint32_t>(bin >> shift);
-            std::uint64_t count = 0;
-            for (const std::uint32_t id : bins.triangles(bin)) {
-                count += last_cell[id] != cell ? 1 : 0;
-                last_cell[id] = cell;
-            }
-            if (count == 0) continue;
-            if (at_depth.empty() || at_depth.back().cell != cell) at_depth.push_back({cell, 0});
-            at_depth.back().triangles += count;
+    CellCounts counts(bins.depth);
+    std::vector<std::uint32_t> last_bin(triangles, none);
+    for (std::uint32_t bin = 0; bin < bins.cell_count(); ++bin) {
+        if (bins.count(bin) == 0) continue;
+        CellCounts::NewFrom new_from{};
+        for (const std::uint32_t id : bins.triangles(bin)) {
+            const std::uint32_t last = std::exchange(last_bin[id], bin);
+            const int levels = (std::bit_width(last ^ bin) + 2) / 3; // below a common cell
+            ++new_from[last == none ? 0 : static_cast<std::size_t>(bins.depth - levels + 1)];
         }
+        counts.add(bin, new_from);
     }
     return counts;
 }
 
+/// For each rank: triangles, ascending; the vertices that they use; and for each bin there, its cell,
+/// how many triangles touch it, and their positions among the rank's.
 struct Messages {
     std::vector<std::vector<RoutedTriangle>> triangles;
     std::vector<std::vector<Position>> vertices;
+    std::vector<std::vector<std::uint32_t>> bins;
+
+    explicit Messages(std::size_t ranks) : triangles(ranks), vertices(ranks), bins(ranks) {}
 };
 
-/// Packs triangles of one slice for one rank after the other, with the vertices that they use.
+/// Which ranks get which triangles and bins of a slice.
+struct Owners {
+    std::vector<std::vector<std::uint32_t>> triangles; ///< by rank, ascending
+    std::vector<std::size_t>
+        end; ///< of the rank's bins, which begin where those of a rank before end
+};
+
+Owners find_owners(const CoarseBins& bins, const RoutedForest& forest, std::size_t triangle_count,
+                   std::size_t ranks)
+{
+    struct Passed {
+        std::uint32_t triangle;
+        std::uint32_t owner;
+    };
+    Owners owners{std::vector<std::vector<std::uint32_t>>(ranks), std::vector<std::size_t>(ranks)};
+    // Owners of cells in Morton order ascend, so that a triangle's last one tells repeats.
+    std::vector<std::uint32_t> last_owner(triangle_count, none);
+    std::vector<Passed> earlier;
+    for (std::size_t bin = 0; bin < bins.cell_count(); ++bin) {
+        if (bins.count(bin) == 0) continue;
+        const auto owner = static_cast<std::uint32_t>(forest.owner(bin, bins.depth));
+        owners.end[owner] = bin + 1;
+        for (const std::uint32_t id : bins.triangles(bin)) {
+            const std::uint32_t last = std::exchange(last_owner[id], owner);
+            if (last != none && last != owner) earlier.push_back({id, last});
+        }
+    }
+    std::ranges::stable_sort(earlier, {}, &Passed::triangle);
+    auto next = earlier.begin();
+    for (std::uint32_t id = 0; id < triangle_count; ++id) {
+        for (; next != earlier.end() && next->triangle == id; ++next)
+            owners.triangles[next->owner].push_back(id);
+        if (last_owner[id] != none) owners.triangles[last_owner[id]].push_back(id);
+    }
+    return owners;
+}
+
+/// Packs what one rank after the other gets of a slice.
 class Packer {
 public:
     explicit Packer(const MeshSlice& slice)
         : slice_(slice), is_packed_(slice.mesh.triangle_count()),
-          numbers_(slice.mesh.vertex_count())
+          triangle_numbers_(slice.mesh.triangle_count()), vertex_numbers_(slice.mesh.vertex_count())
     {}
 
     void pack(const std::vector<std::uint32_t>& ids, std::vector<RoutedTriangle>& triangles,
@@ -106,14 +128,15 @@ public:
     {
         triangles.reserve(ids.size());
         for (const std::uint32_t id : ids) {
+            (void)triangle_numbers_.number_of(id);
             RoutedTriangle& triangle = triangles.emplace_back();
             triangle.id = slice_.first_triangle + id;
             triangle.is_counted = is_packed_[id] ? 0 : 1;
             is_packed_[id] = true;
             for (std::size_t k = 0; k < 3; ++k)
-                triangle.corners[k] = numbers_.number_of(slice_.mesh.triangles()[id][k]);
+                triangle.corners[k] = vertex_numbers_.number_of(slice_.mesh.triangles()[id][k]);
         }
-        const std::vector<std::uint32_t> used = numbers_.take();
+        const std::vector<std::uint32_t> used = vertex_numbers_.take();
         vertices.reserve(used.size());
         for (const std::uint32_t vertex : used) {
             const Vec3& at = slice_.mesh.positions()[vertex];
@@ -121,36 +144,43 @@ public:
         }
     }
 
+    /// \pre all triangles of the bins were packed since the last call
+    void pack_bins(const CoarseBins& bins, std::size_t first, std::size_t end,
+                   std::vector<std::uint32_t>& packed)
+    {
+        packed.reserve(bins.first[end] - bins.first[first]);
+        for (std::size_t bin = first; bin < end; ++bin) {
+            if (bins.count(bin) == 0) continue;
+            packed.push_back(static_cast<std::uint32_t>(bin));
+            packed.push_back(bins.count(bin));
+            for (const std::uint32_t id : bins.triangles(bin))
+                packed.push_back(triangle_numbers_.number_of(id));
+        }
+        (void)triangle_numbers_.take();
+    }
+
 private:
     const MeshSlice& slice_;
-    std::vector<bool> is_packed_; ///< for an earlier rank
-    LocalNumbers numbers_;        ///< of vertices in the rank's message
+    std::vector<bool> is_packed_;   ///< for an earlier rank
+    LocalNumbers triangle_numbers_; ///< in the rank's message
+    LocalNumbers vertex_numbers_;
 };
 
 Result<Messages> pack_all(const MeshSlice& slice, const CoarseBins& bins,
                           const RoutedForest& forest, std::size_t ranks, Progress* progress)
 {
-    // Owners of cells in Morton order ascend, so that a triangle's last one tells repeats.
-    std::vector<std::vector<std::uint32_t>> ids(ranks);
-    std::vector<std::uint32_t> last_owner(slice.mesh.triangle_count(), none);
-    for (std::size_t cell = 0; cell < bins.cell_count(); ++cell) {
-        if (bins.count(cell) == 0) continue;
-        const auto owner = static_cast<std::uint32_t>(forest.owner(cell, bins.depth));
-        for (const std::uint32_t id : bins.triangles(cell)) {
-            if (last_owner[id] != owner) ids[owner].push_back(id);
-            last_owner[id] = owner;
-        }
-    }
-    Messages messages{std::vector<std::vector<RoutedTriangle>>(ranks),
-                      std::vector<std::vector<Position>>(ranks)};
+    Owners owners = find_owners(bins, forest, slice.mesh.triangle_count(), ranks);
+    Messages messages(ranks);
     Packer packer(slice);
     StageSteps steps(progress, "packing", bins.ids.size());
-    const auto bits = static_cast<unsigned>(std::bit_width(slice.mesh.triangle_count()));
+    std::size_t first = 0;
     for (std::size_t r = 0; r < ranks; ++r) {
-        const auto key_of = [](std::uint32_t id) { return std::uint64_t{id}; };
-        if (!radix_sort(ids[r], bits, key_of, steps)) return cancelled("routing triangles");
-        packer.pack(ids[r], messages.triangles[r], messages.vertices[r]);
-        std::vector<std::uint32_t>().swap(ids[r]);
+        const std::size_t end = std::max(first, owners.end[r]);
+        packer.pack(owners.triangles[r], messages.triangles[r], messages.vertices[r]);
+        packer.pack_bins(bins, first, end, messages.bins[r]);
+        std::vector<std::uint32_t>().swap(owners.triangles[r]);
+        if (!steps.done(bins.first[end] - bins.first[first])) return cancelled("routing triangles");
+        first = end;
     }
     return messages;
 }
@@ -180,21 +210,36 @@ Status unpack(const Received<RoutedTriangle>& triangles, const Received<Position
     return {};
 }
 
-/// Fills the lists of part.keys.
-Status list_triangles(const OctreeFrame& frame, int routing_depth, Progress* progress,
-                      RoutedPart& part)
+/// Fills the lists of part.keys from the bins that came from each rank, which are in Morton order.
+void list_triangles(const Received<std::uint32_t>& bins, const std::vector<std::size_t>& triangles,
+                    int routing_depth, RoutedPart& part)
 {
-    const CoarseBins bins = bins_of(part.mesh, frame, routing_depth, progress);
-    if (is_cancelled(progress)) return cancelled("routing triangles");
+    std::vector<std::size_t> next(bins.first.begin(), bins.first.end() - 1); // by rank
     std::vector<std::uint32_t> ids;
+    part.lists.reserve(bins.items.size());
     part.first.push_back(0);
     for (const CellKey key : part.keys) {
         const int level = depth(key);
-        merge(bins, key.bits ^ (std::uint64_t{1} << (3 * level)), level, ids);
-        for (const std::uint32_t id : ids) part.lists.push_back(TriangleId{id});
+        const std::uint64_t cell = key.bits ^ (std::uint64_t{1} << (3 * level));
+        const std::uint64_t end = (cell + 1) << (3 * (routing_depth - level));
+        for (std::size_t r = 0; r < next.size(); ++r) {
+            ids.clear();
+            int bin_count = 0;
+            for (; next[r] < bins.first[r + 1] && bins.items[next[r]] < end; ++bin_count) {
+                const std::uint32_t* const in_bin = &bins.items[next[r]] + 2;
+                ids.insert(ids.end(), in_bin, in_bin + in_bin[-1]);
+                next[r] += 2 + in_bin[-1];
+            }
+            if (bin_count > 1) {
+                std::ranges::sort(ids);
+                ids.erase(std::unique(ids.begin(), ids.end()), ids.end());
+            }
+            // Slices ascend.
+            const auto shift = static_cast<std::uint32_t>(triangles[r]);
+            for (const std::uint32_t id : ids) part.lists.push_back(TriangleId{id + shift});
+        }
         part.first.push_back(part.lists.size());
     }
-    return {};
 }
 
 } // namespace
@@ -204,7 +249,7 @@ Result<RoutedPart> route_triangles(MeshSlice slice, const OctreeFrame& frame,
 {
     const int routing_depth = usable_depth(frame, options);
     CoarseBins bins;
-    std::vector<std::vector<CellCount>> counts;
+    CellCounts counts(routing_depth);
     Status status = world.agree_on([&]() -> Status {
         bins = bins_of(slice.mesh, frame, routing_depth, &world.progress());
         if (is_cancelled(&world.progress())) return cancelled("routing triangles");
@@ -216,7 +261,7 @@ Result<RoutedPart> route_triangles(MeshSlice slice, const OctreeFrame& frame,
     status = forest->build(counts, options.threshold, world);
     if (!status) return tl::unexpected(status.error());
 
-    Messages messages;
+    Messages messages(0);
     status = world.agree_on([&]() -> Status {
         auto packed = pack_all(slice, bins, *forest, static_cast<std::size_t>(world.size()),
                                &world.progress());
@@ -231,14 +276,18 @@ Result<RoutedPart> route_triangles(MeshSlice slice, const OctreeFrame& frame,
     if (!triangles) return tl::unexpected(triangles.error());
     auto vertices = world.exchange(std::move(messages.vertices));
     if (!vertices) return tl::unexpected(vertices.error());
+    const auto listed = world.exchange(std::move(messages.bins));
+    if (!listed) return tl::unexpected(listed.error());
     RoutedPart part;
     status = world.agree_on([&]() -> Status {
         auto unpacked = unpack(*triangles, *vertices, part);
         if (!unpacked) return unpacked;
+        const std::vector<std::size_t> first = std::move(triangles->first);
         *triangles = {};
         *vertices = {};
         part.keys = forest->cells();
-        return list_triangles(frame, routing_depth, &world.progress(), part);
+        list_triangles(*listed, first, routing_depth, part);
+        return {};
     });
     if (!status) return tl::unexpected(status.error());
     part.forest = std::move(forest);

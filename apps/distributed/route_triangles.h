@@ -4,6 +4,7 @@
 #include "distributed/mesh_slice.h"
 #include "distributed/routed_forest.h"
 #include "distributed/world.h"
+#include "octree/coarse_bins.h"
 #include "proxima/grow_cells.h"
 
 #include <cstdint>
@@ -27,11 +28,11 @@ struct RoutedPart {
 struct RouteOptions {
     int max_depth = 5;
     std::uint32_t threshold = 1;
-    int routing_depth = 5; ///< the deepest level whose cells are shared out, at most 6
+    int routing_depth = 5; ///< the deepest level whose cells are shared out, at most 7
 };
 
 /// The deepest level that bins of triangles have.
-inline constexpr int max_routing_depth = 6;
+inline constexpr int max_routing_depth = max_bin_depth;
 
 /// Splits the root to the routing depth, shares its leaves and sends the triangles. Takes the slice.
 /// Collective.

@@ -46,6 +46,19 @@ int weight(p8est_t*, p4est_topidx_t, p8est_quadrant_t* quadrant)
 
 } // namespace
 
+void CellCounts::add(std::uint64_t cell, const NewFrom& new_from)
+{
+    std::uint64_t triangles = 0;
+    for (int depth = 0; depth <= deepest(); ++depth) {
+        triangles += new_from[static_cast<std::size_t>(depth)];
+        if (triangles == 0) continue;
+        const std::uint64_t above = cell >> (3 * (deepest() - depth));
+        auto& at_depth = counts_[static_cast<std::size_t>(depth)];
+        if (at_depth.empty() || at_depth.back().cell != above) at_depth.push_back({above, 0});
+        at_depth.back().triangles += triangles;
+    }
+}
+
 RoutedForest::RoutedForest() : parts_(std::make_unique<Parts>())
 {
     parts_->connectivity = p8est_connectivity_new_unitcube();
@@ -59,17 +72,16 @@ RoutedForest::~RoutedForest()
     p8est_connectivity_destroy(parts_->connectivity);
 }
 
-Status RoutedForest::build(const std::vector<std::vector<CellCount>>& counts,
-                           std::uint32_t threshold, World& world)
+Status RoutedForest::build(const CellCounts& counts, std::uint32_t threshold, World& world)
 {
     Parts& parts = *parts_;
     parts.threshold = threshold;
-    const int routing_depth = static_cast<int>(counts.size()) - 1;
+    const int routing_depth = counts.deepest();
     for (parts.depth = 0; parts.depth <= routing_depth; ++parts.depth) {
         // The owner of a cell adds what touches it. Cells below a leaf have no quadrant.
         std::vector<std::vector<CellCount>> outgoing(static_cast<std::size_t>(world.size()));
         Status status = world.agree_on([&]() -> Status {
-            for (const CellCount& count : counts[static_cast<std::size_t>(parts.depth)]) {
+            for (const CellCount& count : counts.at(parts.depth)) {
                 outgoing[static_cast<std::size_t>(owner(count.cell, parts.depth))].push_back(count);
             }
             return {};

@@ -1,5 +1,6 @@
 #include "distributed/whole_caps.h"
 
+#include "distributed/whole_edges.h"
 #include "octree/hole_caps.h"
 
 #include <algorithm>
@@ -8,53 +9,10 @@ namespace proxima {
 
 namespace {
 
-/// An edge by vertex numbers of the whole mesh; excess as in DirectedEdge, of either sign.
-struct WholeEdge {
-    std::uint64_t from = 0;
-    std::uint64_t to = 0;
-    std::int64_t excess = 0;
-
-    [[nodiscard]] std::pair<std::uint64_t, std::uint64_t> ends() const noexcept
-    {
-        return std::minmax(from, to);
-    }
-};
-
 struct PlacedVertex {
     std::uint64_t end = 0; ///< position among the ends of all edges
     std::array<double, 3> at = {};
 };
-
-/// What the slice leaves unbalanced, to the ranks that sum up edges.
-Status pack_edges(const MeshSlice& slice, World& world,
-                  std::vector<std::vector<WholeEdge>>& outgoing)
-{
-    const auto edges = unbalanced_edges(slice.mesh, &world.progress());
-    if (!edges) return tl::unexpected(edges.error());
-    for (const DirectedEdge& edge : *edges) {
-        const WholeEdge whole{slice.vertices[edge.from], slice.vertices[edge.to], edge.excess};
-        // Any spread will do; edges of one lower vertex meet.
-        outgoing[whole.ends().first % outgoing.size()].push_back(whole);
-    }
-    return {};
-}
-
-/// The unbalanced edges, each once and with a positive excess.
-std::vector<WholeEdge> sum_up(std::vector<WholeEdge> edges)
-{
-    std::ranges::sort(edges, {}, &WholeEdge::ends);
-    std::vector<WholeEdge> sums;
-    for (const WholeEdge& edge : edges) {
-        const auto [lower, upper] = edge.ends();
-        if (sums.empty() || sums.back().ends() != edge.ends()) sums.push_back({lower, upper, 0});
-        sums.back().excess += edge.from == lower ? edge.excess : -edge.excess;
-    }
-    std::erase_if(sums, [](const WholeEdge& edge) { return edge.excess == 0; });
-    for (WholeEdge& edge : sums) {
-        if (edge.excess < 0) edge = {edge.to, edge.from, -edge.excess};
-    }
-    return sums;
-}
 
 std::vector<std::uint64_t> ends_of(const std::vector<WholeEdge>& edges)
 {
@@ -104,22 +62,13 @@ Result<TriangleMesh> cap(const std::vector<WholeEdge>& edges,
 
 Result<TriangleMesh> whole_caps(const MeshSlice& slice, World& world)
 {
-    std::vector<std::vector<WholeEdge>> outgoing(static_cast<std::size_t>(world.size()));
-    Status status = world.agree_on([&] { return pack_edges(slice, world, outgoing); });
-    if (!status) return tl::unexpected(status.error());
-    auto received = world.exchange(std::move(outgoing));
-    if (!received) return tl::unexpected(received.error());
-    std::vector<WholeEdge> unbalanced;
-    status = world.agree_on([&]() -> Status {
-        unbalanced = sum_up(std::move(received->items));
-        return {};
-    });
-    if (!status) return tl::unexpected(status.error());
-    auto edges = world.all_gather(unbalanced);
+    const auto own = whole_unbalanced_edges(slice, world);
+    if (!own) return tl::unexpected(own.error());
+    const auto edges = world.all_gather(*own);
     if (!edges) return tl::unexpected(edges.error());
     std::vector<std::uint64_t> ends;
     std::vector<PlacedVertex> placed;
-    status = world.agree_on([&]() -> Status {
+    Status status = world.agree_on([&]() -> Status {
         ends = ends_of(edges->items);
         if (ends.size() >= std::numeric_limits<std::uint32_t>::max()) {
             return fail(ErrorCode::limit_exceeded,

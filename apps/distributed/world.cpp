@@ -46,18 +46,21 @@ void World::sum(std::span<std::int64_t> values)
 {
     sum_numbers(values.data(), values.size(), MPI_INT64_T, rank_);
     sent_bytes_ += values.size_bytes();
+    ++sent_messages_;
 }
 
 void World::sum(std::span<double> values)
 {
     sum_numbers(values.data(), values.size(), MPI_DOUBLE, rank_);
     sent_bytes_ += values.size_bytes();
+    ++sent_messages_;
 }
 
 void World::send_to_first(std::span<const std::byte> bytes)
 {
     MPI_Send(bytes.data(), static_cast<int>(bytes.size()), MPI_BYTE, 0, 0, MPI_COMM_WORLD);
     sent_bytes_ += bytes.size();
+    ++sent_messages_;
 }
 
 void World::receive(int rank, std::span<std::byte> bytes)

@@ -45,6 +45,9 @@ public:
     /// Bytes that this rank sent to others, but for messages of a few numbers. Not collective.
     [[nodiscard]] std::uint64_t sent_bytes() const noexcept { return sent_bytes_; }
 
+    /// Messages that had these bytes; each rank that gets an item of all_gather counts. Not collective.
+    [[nodiscard]] std::uint64_t sent_messages() const noexcept { return sent_messages_; }
+
     /// On all ranks, the error of the lowest rank that has one.
     [[nodiscard]] Status agree(const Status& status) const;
 
@@ -124,6 +127,7 @@ public:
         MPI_Allgatherv(items.data(), static_cast<int>(own), type.value, received.items.data(),
                        counts.data(), offsets.data(), type.value, MPI_COMM_WORLD);
         sent_bytes_ += own * sizeof(T) * (ranks - 1);
+        if (own > 0) sent_messages_ += ranks - 1;
         return received;
     }
 
@@ -205,9 +209,18 @@ private:
     [[nodiscard]] Result<Received<T>> exchange_items(std::vector<std::vector<T>>& outgoing)
     {
         const auto ranks = static_cast<std::size_t>(size_);
+        Received<T> received;
+        if (ranks == 1) { // what stays is not copied
+            const Status status = agree_on([&]() -> Status {
+                received.first = {0, outgoing[0].size()};
+                received.items = std::move(outgoing[0]);
+                return {};
+            });
+            if (!status) return tl::unexpected(status.error());
+            return received;
+        }
         std::vector<int> counts(ranks), offsets(ranks), in_counts(ranks), in_offsets(ranks);
         std::vector<T> sent;
-        Received<T> received;
         Status status = agree_on([&]() -> Status {
             std::size_t total = 0;
             for (std::size_t r = 0; r < ranks; ++r) {
@@ -215,7 +228,9 @@ private:
                 offsets[r] = static_cast<int>(total);
                 counts[r] = static_cast<int>(outgoing[r].size());
                 total += outgoing[r].size();
-                if (static_cast<int>(r) != rank_) sent_bytes_ += outgoing[r].size() * sizeof(T);
+                if (static_cast<int>(r) == rank_ || outgoing[r].empty()) continue;
+                sent_bytes_ += outgoing[r].size() * sizeof(T);
+                ++sent_messages_;
             }
             sent.reserve(total);
             for (auto& items : outgoing) {
@@ -254,6 +269,7 @@ private:
     int rank_ = 0;
     int size_ = 1;
     std::uint64_t sent_bytes_ = 0;
+    std::uint64_t sent_messages_ = 0;
     double work_seconds_ = 0;
     Progress progress_;
 };

@@ -12,7 +12,7 @@ namespace proxima {
 
 namespace {
 
-constexpr int max_bin_depth = 6;
+constexpr int max_chosen_depth = 6;
 
 /// The lowest coarse cell of a triangle's box, and which of the eight cells from there on it
 /// touches. A triangle over more than two cells on an axis touches none here and is listed apart.
@@ -243,7 +243,7 @@ int choose_bin_depth(const SnappedMesh& mesh, int max_depth)
 {
     const std::size_t count = mesh.mesh().triangle_count();
     const double by_count = std::round(std::log2(static_cast<double>(count) / 64.0) / 2) - 2;
-    int depth = std::clamp(static_cast<int>(by_count), 0, std::min(max_bin_depth, max_depth));
+    int depth = std::clamp(static_cast<int>(by_count), 0, std::min(max_chosen_depth, max_depth));
     // Nine of ten sampled triangles should fit a cell.
     constexpr std::size_t sample_count = 1024;
     const std::size_t step = std::max<std::size_t>(1, count / sample_count);

@@ -13,6 +13,9 @@
 
 namespace proxima {
 
+/// The deepest level of bins.
+inline constexpr int max_bin_depth = 7;
+
 /// Triangles per coarse cell.
 struct CoarseBins {
     int depth = 0; ///< of the coarse cells; 8^depth of them
@@ -35,7 +38,7 @@ struct CoarseBins {
 [[nodiscard]] int choose_bin_depth(const SnappedMesh& mesh, int max_depth);
 
 /// Bins all triangles; the result does not depend on the threads. Not to be used once `progress` is
-/// cancelled; two steps per triangle.
+/// cancelled; two steps per triangle. \pre 0 <= depth <= max_bin_depth
 [[nodiscard]] CoarseBins bin_triangles(const SnappedMesh& mesh, int depth, Threads threads,
                                        Progress* progress);
 

@@ -36,6 +36,23 @@ def run_apart(*ranks):
     return subprocess.run(words, capture_output=True, text=True, timeout=SECONDS)
 
 
+def faulty(call, action, *arguments, ranks=3):
+    """A run in which rank 0's first such call of the system fails or kills it (tests/apps/fault_shim.cpp). MPI itself writes, but neither fsyncs nor renames."""
+    shell = 'if [ "$OMPI_COMM_WORLD_RANK" = 0 ]; then export LD_PRELOAD="$FAULT_SHIM"; fi; exec "$@"'
+    words = command(ranks, *arguments)
+    words[words.index(PROGRAM):words.index(PROGRAM)] = ["bash", "-c", shell, "-"]
+    return subprocess.run(words, capture_output=True, text=True, timeout=SECONDS,
+                          env={**os.environ, "FAULT_CALL": call, "FAULT_AT": "1", "FAULT_ACTION": action})
+
+
+def on_a_full_disk(*arguments):
+    """A run whose files may have no more than 100 KiB."""
+    # Ranks that talk through files in memory would meet the limit before there is anything to save.
+    words = command(3, *arguments)
+    words[words.index(PROGRAM):words.index(PROGRAM)] = ["--mca", "btl", "self,tcp", "bash", "-c", 'ulimit -f 100; exec "$@"', "-"]
+    return subprocess.run(words, capture_output=True, text=True, timeout=SECONDS, env={**os.environ, "PMIX_MCA_gds": "hash"})
+
+
 def messages(text):
     return [line for line in text.splitlines() if line.startswith("proxima-mpi: ")]
 
@@ -202,7 +219,7 @@ class Errors(DistributedTest):
         self.assertIn("rank 1 has other arguments than rank 0, octree b.ply", messages(result.stderr)[0])
 
     def test_wrong_usage(self):
-        for arguments in (["--depth", "19"], ["--routing-depth", "7"], ["--threshold", "-1"]):
+        for arguments in (["--depth", "19"], ["--routing-depth", "8"], ["--threshold", "-1"]):
             result = run(2, "octree", "torus:9x9", *arguments)
             self.assertEqual(result.returncode, 2, result.stderr)
 
@@ -256,15 +273,23 @@ class Saving(DistributedTest):
 
     def test_a_full_disk_keeps_the_old_file(self):
         file = self.file("old.pxo", b"old")
-        # Ranks that talk through files in memory would meet the limit before there is anything to save.
-        words = command(3, "octree", "torus:100x60", "--depth", 7, "--save", file)
-        words[words.index(PROGRAM):words.index(PROGRAM)] = ["--mca", "btl", "self,tcp", "bash", "-c", 'ulimit -f 100; exec "$@"', "-"]
-        result = subprocess.run(words, capture_output=True, text=True, timeout=SECONDS, env={**os.environ, "PMIX_MCA_gds": "hash"})
+        result = on_a_full_disk("octree", "torus:100x60", "--depth", 7, "--save", file)
         self.assertEqual(result.returncode, 1, result.stderr)
         self.assertEqual(len(messages(result.stderr)), 1, result.stderr)
         self.assertIn("cannot write this file", messages(result.stderr)[0])
         self.assertEqual(file.read_bytes(), b"old")
         self.assertEqual([path.name for path in self.folder.iterdir()], ["old.pxo"])
+
+    def test_a_rank_that_is_killed_amid_a_save_keeps_the_old_file(self):
+        """The writer, when all is written and when the file is to get its name."""
+        file = self.folder / "old.pxo"
+        for call in ("fsync", "rename"):
+            file.write_bytes(b"old")
+            result = faulty(call, "kill", "octree", "torus:60x40", "--depth", 6, "--save", file)
+            self.assertEqual(result.returncode, 128 + signal.SIGKILL, f"{call}: {result.stderr}")
+            self.assertIn("signal 9", result.stderr)
+            self.assertEqual(result.stdout.count("triangles,"), 0)
+            self.assertEqual(file.read_bytes(), b"old", call)
 
     def test_the_next_run_removes_what_a_killed_one_left(self):
         for name, option in (("a.pxo", "--save"), ("a.pvtu", "--out")):

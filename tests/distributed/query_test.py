@@ -1,11 +1,12 @@
 """proxima-mpi closest, rays and sign on 1 to 4 ranks: the answers are those of one process, and bad input ends all with one message."""
 import os
 import random
+import signal
 import struct
 import subprocess
 import unittest
 
-from octree_test import PROXIMA, DistributedTest, nasty_mesh, ply, run
+from octree_test import PROXIMA, DistributedTest, Stopping, command, faulty, messages, nasty_mesh, on_a_full_disk, ply, run
 from octree_test import npy as mesh_npy
 
 SEED = int(os.environ.get("SEED", random.randrange(1 << 30)))
@@ -358,6 +359,58 @@ class QueryErrors(QueryTest):
     def test_usage(self):
         self.refuse("closest", "torus:9x9", says="--points", status=2)
         self.refuse("closest", "torus:9x9", "--point", "1,2,3", "--points", "x.csv", says="--point", status=2)
+
+
+class QueryFaults(QueryTest):
+    """A disk that is full, and ranks that are killed: one error, and the old table stays."""
+
+    def jobs(self):
+        points, rays = self.file("points.csv", b"1,2,3\n0,0,0\n"), self.file("rays.csv", b"0,0,5,0,0,-1\n")
+        for name, table in (("closest", ["--points", points]), ("sign", ["--points", points]), ("rays", ["--rays", rays])):
+            for ending in (".csv", ".npy"):
+                out = self.file(f"old{ending}", b"old")
+                yield out, [name, "torus:9x9", *table, "--out", out]
+
+    def expect_old(self, result, out):
+        self.assertEqual(result.returncode, 1, result.stderr)
+        self.assertEqual(len(messages(result.stderr)), 1, result.stderr)
+        self.assertIn(out.name, messages(result.stderr)[0])
+        self.assertEqual(out.read_bytes(), b"old")
+        self.assertEqual(list(self.folder.glob(".proxima-*")), [])
+
+    def test_a_disk_that_is_full_at_the_end_keeps_the_old_table(self):
+        for out, arguments in self.jobs():
+            self.expect_old(faulty("fsync", "fail", *arguments), out)
+
+    def test_a_disk_that_is_full_amid_rows_keeps_the_old_table(self):
+        table = self.file("points.npy", npy([[1.0, 2.0, 3.0]] * 9000))
+        for name in ("closest", "sign"):
+            out = self.file("old.csv", b"old")
+            self.expect_old(on_a_full_disk(name, "torus:9x9", "--points", table, "--out", out), out)
+
+    def test_a_writer_that_is_killed_keeps_the_old_table(self):
+        for out, arguments in self.jobs():
+            result = faulty("rename", "kill", *arguments)
+            self.assertEqual(result.returncode, 128 + signal.SIGKILL, result.stderr)
+            self.assertIn("signal 9", result.stderr)
+            self.assertEqual(out.read_bytes(), b"old")
+
+    def test_a_rank_that_is_killed_amid_answers(self):
+        chance = random.Random(SEED)
+        points = self.file("points.npy", npy([[chance.uniform(-2, 2) for _ in range(3)] for _ in range(40000)] * 30))
+        rays = self.file("rays.npy", npy([[chance.uniform(-2, 2) for _ in range(6)] for _ in range(20000)] * 30))
+        for name, option, table in (("closest", "--points", points), ("sign", "--points", points), ("rays", "--rays", rays)):
+            out = self.file("old.csv", b"old")
+            process = subprocess.Popen(command(3, "--progress", name, "torus:300x200", option, table, "--out", out), text=True,
+                                       stdout=subprocess.PIPE, stderr=subprocess.PIPE)
+            self.addCleanup(process.kill)
+            while "answering" not in (line := process.stderr.readline()):
+                self.assertNotEqual(line, "", "the run ended before it answered")
+            os.kill(Stopping.ranks(process)[1], signal.SIGKILL)
+            _, errors = process.communicate(timeout=200)
+            self.assertEqual(process.returncode, 128 + signal.SIGKILL, errors)
+            self.assertIn("signal 9", errors)
+            self.assertEqual(out.read_bytes(), b"old")
 
 
 if __name__ == "__main__":
