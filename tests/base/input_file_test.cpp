@@ -11,7 +11,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-namespace proxima {
+namespace proxima::input_file_test {
 namespace {
 
 class InputFile : public FolderTest {
@@ -105,4 +105,4 @@ TEST_F(InputFile, SaysWhyItCannotBeRead)
 }
 
 } // namespace
-} // namespace proxima
+} // namespace proxima::input_file_test

@@ -10,7 +10,7 @@
 #include <random>
 #include <vector>
 
-namespace proxima {
+namespace proxima::signed_distance_range_test {
 namespace {
 
 using namespace testing;
@@ -131,4 +131,4 @@ TEST(SignedDistance, IsNothingForPointsThatAreNotFinite)
 }
 
 } // namespace
-} // namespace proxima
+} // namespace proxima::signed_distance_range_test

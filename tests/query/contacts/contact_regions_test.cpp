@@ -11,7 +11,7 @@
 #include <gtest/gtest.h>
 #include <numbers>
 
-namespace proxima {
+namespace proxima::contact_regions_test {
 namespace {
 
 using namespace testing;
@@ -321,4 +321,4 @@ TEST(ContactRegions, MoveWithTheMeshes)
 }
 
 } // namespace
-} // namespace proxima
+} // namespace proxima::contact_regions_test

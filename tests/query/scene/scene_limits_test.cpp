@@ -8,7 +8,7 @@
 #include <gtest/gtest.h>
 #include <limits>
 
-namespace proxima {
+namespace proxima::scene_limits_test {
 namespace {
 
 using namespace testing;
@@ -217,4 +217,4 @@ TEST(Scene, StopsOnRequest)
 }
 
 } // namespace
-} // namespace proxima
+} // namespace proxima::scene_limits_test
