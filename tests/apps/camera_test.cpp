@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 #include <random>
 
-namespace proxima {
+namespace proxima::camera_test {
 namespace {
 
 constexpr ViewSize size = {.width = 640, .height = 400};
@@ -145,4 +145,4 @@ TEST(Camera, AzimuthZeroLooksAlongYWithZUp)
 }
 
 } // namespace
-} // namespace proxima
+} // namespace proxima::camera_test

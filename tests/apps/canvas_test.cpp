@@ -4,7 +4,7 @@
 
 #include <limits>
 
-namespace proxima {
+namespace proxima::canvas_test {
 namespace {
 
 using Pixel = std::array<std::uint8_t, 3>;
@@ -131,4 +131,4 @@ TEST(Canvas, DarkensCreasesAndNotPlanes)
 }
 
 } // namespace
-} // namespace proxima
+} // namespace proxima::canvas_test

@@ -6,7 +6,7 @@
 #include <gtest/gtest.h>
 #include <set>
 
-namespace proxima {
+namespace proxima::figure_test {
 namespace {
 
 Image drawn(const std::string& text, const TextStyle& style)
@@ -144,4 +144,4 @@ TEST(Figure, RefusesOtherFileFormats)
 }
 
 } // namespace
-} // namespace proxima
+} // namespace proxima::figure_test

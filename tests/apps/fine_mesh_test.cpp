@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-namespace proxima {
+namespace proxima::fine_mesh_test {
 namespace {
 
 double area_of(const TriangleMesh& mesh)
@@ -53,4 +53,4 @@ TEST(FineMesh, LeavesPointsAndHugeMeshesAlone)
 }
 
 } // namespace
-} // namespace proxima
+} // namespace proxima::fine_mesh_test

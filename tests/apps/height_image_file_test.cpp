@@ -15,7 +15,7 @@
 #include <string>
 #include <vector>
 
-namespace proxima {
+namespace proxima::height_image_file_test {
 namespace {
 
 class HeightImageFile : public FolderTest {
@@ -219,4 +219,4 @@ TEST_F(HeightImageFile, RefusesOtherArrays)
 }
 
 } // namespace
-} // namespace proxima
+} // namespace proxima::height_image_file_test

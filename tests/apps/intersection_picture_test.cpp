@@ -8,7 +8,7 @@
 
 #include <algorithm>
 
-namespace proxima {
+namespace proxima::intersection_picture_test {
 namespace {
 
 struct Scene {
@@ -67,4 +67,4 @@ TEST(IntersectionPicture, StopsAtEveryStage)
 }
 
 } // namespace
-} // namespace proxima
+} // namespace proxima::intersection_picture_test

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace proxima {
+namespace proxima::names_test {
 namespace {
 
 TEST(Names, EveryMethodIsFoundByItsName)
@@ -63,4 +63,4 @@ TEST(Names, RecognizesPrintableCharacters)
 }
 
 } // namespace
-} // namespace proxima
+} // namespace proxima::names_test

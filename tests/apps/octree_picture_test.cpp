@@ -8,7 +8,7 @@
 #include <algorithm>
 #include <array>
 
-namespace proxima {
+namespace proxima::octree_picture_test {
 namespace {
 
 class OctreePicture : public FolderTest {
@@ -85,4 +85,4 @@ TEST_F(OctreePicture, ComparesDepthsFromOnePlace)
 }
 
 } // namespace
-} // namespace proxima
+} // namespace proxima::octree_picture_test

@@ -6,7 +6,7 @@
 #include <iterator>
 #include <set>
 
-namespace proxima {
+namespace proxima::plot_test {
 namespace {
 
 bool has(const Figure& figure, const std::string& words)
@@ -110,4 +110,4 @@ TEST(PlotFile, IsATableOrADrawing)
 }
 
 } // namespace
-} // namespace proxima
+} // namespace proxima::plot_test

@@ -58,6 +58,32 @@ def some_rays(rng, count):
             for _ in range(count)]
 
 
+def unfiltered(kind, row, last):
+    """The bytes of a PNG's row of RGB: they were stored less a guess, from those to the left and in the row above."""
+    if kind == 0:
+        return row
+    if kind == 2:
+        return bytes((stored + up) & 255 for stored, up in zip(row, last))
+    colors = []
+    for color in range(3):
+        left = corner = 0
+        values = bytearray()
+        for stored, up in zip(row[color::3], last[color::3]):
+            if kind == 1:
+                guess = left
+            elif kind == 3:
+                guess = (left + up) // 2
+            elif up == corner:
+                guess = left  # what follows, sooner
+            else:
+                of_left, of_up, of_corner = abs(up - corner), abs(left - corner), abs(left + up - 2 * corner)
+                guess = left if of_left <= of_up and of_left <= of_corner else up if of_up <= of_corner else corner
+            left, corner = (stored + guess) & 255, up
+            values.append(left)
+        colors.append(values)
+    return bytes(value for pixel in zip(*colors) for value in pixel)
+
+
 def read_png(data):
     """Width, height and rows of RGB bytes of a PNG of 8-bit colours."""
     place, packed = 8, b""
@@ -71,14 +97,9 @@ def read_png(data):
             packed += body
         place += 12 + length
     raw, rows, last = zlib.decompress(packed), [], bytes(3 * width)
-    for y in range(height):
-        kind, row = raw[y * (3 * width + 1)], bytearray(raw[y * (3 * width + 1) + 1:(y + 1) * (3 * width + 1)])
-        for i in range(len(row)):
-            left, up, corner = (row[i - 3] if i > 2 else 0), last[i], (last[i - 3] if i > 2 else 0)
-            guess = min((abs(left + up - corner - x), k, x) for k, x in enumerate((left, up, corner)))[2]
-            row[i] = (row[i] + (0, left, up, (left + up) // 2, guess)[kind]) & 255
-        rows.append(bytes(row))
-        last = rows[-1]
+    for begin in range(0, height * (3 * width + 1), 3 * width + 1):
+        last = unfiltered(raw[begin], raw[begin + 1:begin + 3 * width + 1], last)
+        rows.append(last)
     return width, height, rows
 
 

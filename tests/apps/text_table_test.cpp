@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace proxima {
+namespace proxima::text_table_test {
 namespace {
 
 TEST(TextTable, AlignsNumbersRightAndWordsLeft)
@@ -34,4 +34,4 @@ TEST(TextTableDeathTest, RowsHaveOneCellPerTitle)
 }
 
 } // namespace
-} // namespace proxima
+} // namespace proxima::text_table_test

@@ -14,7 +14,7 @@
 #include <string>
 #include <vector>
 
-namespace proxima {
+namespace proxima::binary_file_test {
 namespace {
 
 using namespace testing;
@@ -200,4 +200,4 @@ TEST_F(BinaryFileTest, HasUpTo256Sections)
 }
 
 } // namespace
-} // namespace proxima
+} // namespace proxima::binary_file_test

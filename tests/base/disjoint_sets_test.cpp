@@ -7,7 +7,7 @@
 #include <random>
 #include <vector>
 
-namespace proxima {
+namespace proxima::disjoint_sets_test {
 namespace {
 
 TEST(DisjointSets, RootIsTheLowestMember)
@@ -59,4 +59,4 @@ TEST(DisjointOffsets, FindTheDifferencesOfHiddenNumbers)
 }
 
 } // namespace
-} // namespace proxima
+} // namespace proxima::disjoint_sets_test

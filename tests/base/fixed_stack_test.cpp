@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace proxima {
+namespace proxima::fixed_stack_test {
 namespace {
 
 TEST(FixedStack, GivesBackWhatWasPushedLast)
@@ -26,4 +26,4 @@ TEST(FixedStackDeathTest, PrintsBothOperandsWhenFullOrEmpty)
 }
 
 } // namespace
-} // namespace proxima
+} // namespace proxima::fixed_stack_test

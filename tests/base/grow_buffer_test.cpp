@@ -6,7 +6,7 @@
 #include <random>
 #include <vector>
 
-namespace proxima {
+namespace proxima::grow_buffer_test {
 namespace {
 
 TEST(GrowBuffer, KeepsItsContentThroughEveryKindOfGrowthAndShrinking)
@@ -50,7 +50,7 @@ TEST(PageReserve, GivesBuffersPagesOfTheirOwn)
 {
     // Blocks of many sizes come and go in any order: none may lie in another, whatever pages it got.
     constexpr unsigned seed = 11;
-    SCOPED_TRACE(testing::Message() << "seed " << seed);
+    SCOPED_TRACE(::testing::Message() << "seed " << seed);
     std::mt19937 random(seed);
     const PageReserve reserve;
     std::vector<GrowBuffer<std::uint32_t>> buffers(8);
@@ -92,4 +92,4 @@ TEST(PageReserve, LetsABufferUseThePagesOfTheOneBefore)
 #endif
 
 } // namespace
-} // namespace proxima
+} // namespace proxima::grow_buffer_test

@@ -5,7 +5,7 @@
 #include <gtest/gtest.h>
 #include <vector>
 
-namespace proxima {
+namespace proxima::hilbert_code_test {
 namespace {
 
 TEST(HilbertCode, VisitsEveryCellOfACubeThroughSharedFaces)
@@ -50,4 +50,4 @@ TEST(HilbertCode, NumbersTheLastCellsOfTheLargestCube)
 }
 
 } // namespace
-} // namespace proxima
+} // namespace proxima::hilbert_code_test

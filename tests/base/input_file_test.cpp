@@ -33,7 +33,7 @@ extern "C" ssize_t read(int descriptor, void* buffer, std::size_t size)
     return failing_reads.returns;
 }
 
-namespace proxima {
+namespace proxima::input_file_test {
 namespace {
 
 class InputFile : public FolderTest {
@@ -150,4 +150,4 @@ TEST_F(InputFile, SaysWhyItCannotBeRead)
 }
 
 } // namespace
-} // namespace proxima
+} // namespace proxima::input_file_test

@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 #include <random>
 
-namespace proxima {
+namespace proxima::morton_code_test {
 namespace {
 
 TEST(MortonCode, InterleavesBits)
@@ -22,4 +22,4 @@ TEST(MortonCode, InterleavesBits)
 }
 
 } // namespace
-} // namespace proxima
+} // namespace proxima::morton_code_test

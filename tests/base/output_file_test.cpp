@@ -17,7 +17,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-namespace proxima {
+namespace proxima::output_file_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -387,4 +387,4 @@ TEST_F(OutputFileTest, AppendsToStandardOutputWhenItIsAFile)
 }
 
 } // namespace
-} // namespace proxima
+} // namespace proxima::output_file_test

@@ -6,7 +6,7 @@
 #include <random>
 #include <vector>
 
-namespace proxima {
+namespace proxima::parallel_sort_test {
 namespace {
 
 TEST(ParallelSort, EqualsAStableSortForAnyNumberOfThreads)
@@ -43,4 +43,4 @@ TEST(ParallelSort, StopsOnRequest)
 }
 
 } // namespace
-} // namespace proxima
+} // namespace proxima::parallel_sort_test

@@ -6,7 +6,7 @@
 #include <numeric>
 #include <vector>
 
-namespace proxima {
+namespace proxima::parallel_test {
 namespace {
 
 TEST(ParallelFor, CallsEveryIndexOnceForAnyThreadCount)
@@ -57,4 +57,4 @@ TEST(Progress, CountsAndCancels)
 }
 
 } // namespace
-} // namespace proxima
+} // namespace proxima::parallel_test

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace proxima {
+namespace proxima::progress_test {
 namespace {
 
 TEST(Progress, CancelsItselfAtTheChosenReport)
@@ -52,4 +52,4 @@ TEST(StageSteps, WorksWithoutAProgress)
 }
 
 } // namespace
-} // namespace proxima
+} // namespace proxima::progress_test

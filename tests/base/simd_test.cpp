@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace proxima {
+namespace proxima::simd_test {
 namespace {
 
 TEST(Simd, CanForceEveryTargetAndRestoreTheBest)
@@ -19,4 +19,4 @@ TEST(Simd, CanForceEveryTargetAndRestoreTheBest)
 }
 
 } // namespace
-} // namespace proxima
+} // namespace proxima::simd_test

@@ -13,7 +13,7 @@
 
 #include <cmath>
 
-namespace proxima {
+namespace proxima::cgal_test {
 namespace {
 
 using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
@@ -64,4 +64,4 @@ TEST(ComingFromCgal, TheSamePointsAreAsFarAndOnTheSameSide)
 }
 
 } // namespace
-} // namespace proxima
+} // namespace proxima::cgal_test

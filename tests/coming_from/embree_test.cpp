@@ -8,7 +8,7 @@
 #include <cstdio>
 #include <limits>
 
-namespace proxima {
+namespace proxima::embree_test {
 namespace {
 
 using testing::Arrays;
@@ -58,4 +58,4 @@ TEST(ComingFromEmbree, TheSameRayHitsTheSame)
 }
 
 } // namespace
-} // namespace proxima
+} // namespace proxima::embree_test

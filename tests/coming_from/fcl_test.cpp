@@ -12,7 +12,7 @@
 #include <memory>
 #include <vector>
 
-namespace proxima {
+namespace proxima::fcl_test {
 namespace {
 
 struct Answer {
@@ -73,4 +73,4 @@ TEST(ComingFromFcl, TheSameBodiesMeetOrAreAsFarApart)
 }
 
 } // namespace
-} // namespace proxima
+} // namespace proxima::fcl_test

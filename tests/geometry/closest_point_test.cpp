@@ -7,7 +7,7 @@
 #include <cmath>
 #include <random>
 
-namespace proxima {
+namespace proxima::closest_point_test {
 namespace {
 
 using oracle::root;
@@ -133,4 +133,4 @@ TEST(ClosestPoint, OfTwoSegmentsIsNearest)
 }
 
 } // namespace
-} // namespace proxima
+} // namespace proxima::closest_point_test

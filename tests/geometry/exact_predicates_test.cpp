@@ -9,7 +9,7 @@
 
 #include <cmath>
 
-namespace proxima {
+namespace proxima::exact_predicates_test {
 namespace {
 
 using oracle::Point;
@@ -50,7 +50,7 @@ Vec3 to_double(const Point& point, const std::array<int, 3>& exponents)
 TEST(Orient3d, EqualsIntegersAtAnyExponents)
 {
     constexpr std::uint64_t seed = 81;
-    SCOPED_TRACE(testing::Message() << "seed " << seed);
+    SCOPED_TRACE(::testing::Message() << "seed " << seed);
     PointGenerator generate(seed);
     std::array<int, 3> seen = {};
     for (int i = 0; i < 80'000; ++i) {
@@ -97,7 +97,7 @@ TEST(Orient3d, EqualsIntegersAtAnyExponents)
 TEST(DeterminantSign, OfASumEqualsIntegersAtAnyExponents)
 {
     constexpr std::uint64_t seed = 82;
-    SCOPED_TRACE(testing::Message() << "seed " << seed);
+    SCOPED_TRACE(::testing::Message() << "seed " << seed);
     PointGenerator generate(seed);
     std::array<int, 3> seen = {};
     std::array<int, 3> seen_across = {};
@@ -299,4 +299,4 @@ TEST(WideInteger, AgreesWithMachineIntegers)
 }
 
 } // namespace
-} // namespace proxima
+} // namespace proxima::exact_predicates_test

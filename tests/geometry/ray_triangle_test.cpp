@@ -8,7 +8,7 @@
 #include <cmath>
 #include <random>
 
-namespace proxima {
+namespace proxima::ray_triangle_test {
 namespace {
 
 using oracle::cross;
@@ -124,7 +124,7 @@ TEST(RayTriangle, AgreesWithExactIntegersOnSmallGrids)
 {
     for (const double scale : {1.0, 0x1p-20, 0x1p20, 0x1p-400, 0x1p300}) {
         constexpr std::uint64_t seed = 3;
-        SCOPED_TRACE(testing::Message() << "seed " << seed << " scale " << scale);
+        SCOPED_TRACE(::testing::Message() << "seed " << seed << " scale " << scale);
         Numbers number(seed);
         std::size_t hits = 0;
         std::size_t flat = 0;
@@ -179,7 +179,7 @@ TEST(RayTriangle, AgreesWithExactIntegersOnSmallGrids)
 TEST(RayTriangle, HitsTheTriangleThatItBeginsOn)
 {
     constexpr std::uint64_t seed = 5;
-    SCOPED_TRACE(testing::Message() << "seed " << seed);
+    SCOPED_TRACE(::testing::Message() << "seed " << seed);
     constexpr std::int64_t big = std::int64_t{1} << 26;
     Numbers number(seed);
     std::size_t inside = 0;
@@ -314,4 +314,4 @@ TEST(RayTriangle, GivesFiniteAnswersWhereTinyDirectionsOverflow)
 }
 
 } // namespace
-} // namespace proxima
+} // namespace proxima::ray_triangle_test

@@ -8,7 +8,7 @@
 #include <limits>
 #include <random>
 
-namespace proxima {
+namespace proxima::rigid_transform_test {
 namespace {
 
 using Numbers = std::array<double, 12>;
@@ -125,4 +125,4 @@ TEST(RigidTransform, TakesTheNearestRotationOfRoundedOnes)
 }
 
 } // namespace
-} // namespace proxima
+} // namespace proxima::rigid_transform_test

@@ -10,7 +10,7 @@
 #include <cmath>
 #include <random>
 
-namespace proxima {
+namespace proxima::triangle_box_cgal_test {
 namespace {
 
 using Kernel = CGAL::Exact_predicates_exact_constructions_kernel;
@@ -105,7 +105,7 @@ private:
 TEST(TriangleBoxAgainstCgal, AgreesOnNearlyTouchingDoubles)
 {
     constexpr std::uint64_t seed = 91;
-    SCOPED_TRACE(testing::Message() << "seed " << seed);
+    SCOPED_TRACE(::testing::Message() << "seed " << seed);
     NearTouching generate(seed);
     int overlapping = 0;
     int uncertain = 0;
@@ -131,7 +131,7 @@ TEST(TriangleBoxAgainstCgal, AgreesOnNearlyTouchingDoubles)
 TEST(OrientationAgainstCgal, AgreesOnNearlyFlatDoubles)
 {
     constexpr std::uint64_t seed = 92;
-    SCOPED_TRACE(testing::Message() << "seed " << seed);
+    SCOPED_TRACE(::testing::Message() << "seed " << seed);
     NearTouching generate(seed);
     for (int i = 0; i < 20'000; ++i) {
         Triangle triangle;
@@ -152,4 +152,4 @@ TEST(OrientationAgainstCgal, AgreesOnNearlyFlatDoubles)
 }
 
 } // namespace
-} // namespace proxima
+} // namespace proxima::triangle_box_cgal_test

@@ -7,7 +7,7 @@
 
 #include <cmath>
 
-namespace proxima {
+namespace proxima::triangle_box_test {
 namespace {
 
 using oracle::IntegerPair;
@@ -45,7 +45,7 @@ struct Tally {
 // Compares both answers with the oracle; stops the test at the first difference.
 void compare_with_oracle(std::uint64_t seed, std::int64_t size, int pairs, Tally& tally)
 {
-    SCOPED_TRACE(testing::Message() << "seed " << seed << ", grid 0.." << size);
+    SCOPED_TRACE(::testing::Message() << "seed " << seed << ", grid 0.." << size);
     PairGenerator generate(seed, size);
     for (int i = 0; i < pairs; ++i) {
         const IntegerPair pair = generate();
@@ -80,7 +80,7 @@ TEST(TriangleBox, EqualsIntegerOracleOnLargeGrids)
 TEST(TriangleBox, HoldsForAnyExponents)
 {
     constexpr std::uint64_t seed = 73;
-    SCOPED_TRACE(testing::Message() << "seed " << seed);
+    SCOPED_TRACE(::testing::Message() << "seed " << seed);
     PairGenerator generate(seed, 64);
     for (int i = 0; i < 20'000; ++i) {
         const IntegerPair pair = generate();
@@ -188,4 +188,4 @@ RC_GTEST_PROP(TriangleBox, IgnoresOrderOfCornersAndAxesAndReflection, (std::uint
 }
 
 } // namespace
-} // namespace proxima
+} // namespace proxima::triangle_box_test

@@ -14,7 +14,7 @@
 #include <random>
 #include <vector>
 
-namespace proxima {
+namespace proxima::triangle_contact_cgal_test {
 namespace {
 
 using Kernel = CGAL::Exact_predicates_exact_constructions_kernel;
@@ -142,7 +142,7 @@ private:
 TEST(TriangleIntersectionAgainstCgal, HasTheSameEnds)
 {
     constexpr std::uint64_t seed = 31;
-    SCOPED_TRACE(testing::Message() << "seed " << seed);
+    SCOPED_TRACE(::testing::Message() << "seed " << seed);
     Pairs generate(seed);
     std::array<int, 7> sizes{};
     double worst = 0;
@@ -184,4 +184,4 @@ TEST(TriangleIntersectionAgainstCgal, HasTheSameEnds)
 }
 
 } // namespace
-} // namespace proxima
+} // namespace proxima::triangle_contact_cgal_test

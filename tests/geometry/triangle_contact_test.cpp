@@ -12,7 +12,7 @@
 #include <random>
 #include <vector>
 
-namespace proxima {
+namespace proxima::triangle_contact_test {
 namespace {
 
 using oracle::Whole;
@@ -199,4 +199,4 @@ TEST(TriangleIntersection, DoesNotDependOnTheOrderOfCorners)
 }
 
 } // namespace
-} // namespace proxima
+} // namespace proxima::triangle_contact_test

@@ -8,7 +8,7 @@
 #include <cmath>
 #include <random>
 
-namespace proxima {
+namespace proxima::triangle_distance_test {
 namespace {
 
 using oracle::Quad;
@@ -224,4 +224,4 @@ TEST(TriangleDistance, DistinguishesADistanceOfOneBitFromZero)
 }
 
 } // namespace
-} // namespace proxima
+} // namespace proxima::triangle_distance_test

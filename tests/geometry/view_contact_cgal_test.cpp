@@ -11,7 +11,7 @@
 
 #include <random>
 
-namespace proxima {
+namespace proxima::view_contact_cgal_test {
 namespace {
 
 using namespace testing;
@@ -97,4 +97,4 @@ TEST_F(NearVolumes, TouchTrianglesAsExactRationalsDo)
 }
 
 } // namespace
-} // namespace proxima
+} // namespace proxima::view_contact_cgal_test

@@ -8,7 +8,7 @@
 #include <cmath>
 #include <random>
 
-namespace proxima {
+namespace proxima::view_contact_test {
 namespace {
 
 using namespace testing;
@@ -166,4 +166,4 @@ TEST(ViewContact, AcceptsTheGreatestNumberOfPlanes)
 }
 
 } // namespace
-} // namespace proxima
+} // namespace proxima::view_contact_test

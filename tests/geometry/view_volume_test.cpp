@@ -9,7 +9,7 @@
 #include <limits>
 #include <random>
 
-namespace proxima {
+namespace proxima::view_volume_test {
 namespace {
 
 using namespace testing;
@@ -239,4 +239,4 @@ TEST(Cameras, AreRefusedWhenTheirVolumeIsEmpty)
 }
 
 } // namespace
-} // namespace proxima
+} // namespace proxima::view_volume_test

@@ -12,7 +12,7 @@
 #include <cmath>
 #include <random>
 
-namespace proxima {
+namespace proxima::analytic_force_test {
 namespace {
 
 constexpr double stiffness = 500;
@@ -94,4 +94,4 @@ TEST(AnalyticForce, EqualsTheSpringForceToABillionth)
 }
 
 } // namespace
-} // namespace proxima
+} // namespace proxima::analytic_force_test

@@ -13,7 +13,7 @@
 #include <string>
 #include <vector>
 
-namespace proxima {
+namespace proxima::anchor_test {
 namespace {
 
 using testing::HandPath;
@@ -150,4 +150,4 @@ TEST(Anchor, IsReleasedOnAFreePath)
 }
 
 } // namespace
-} // namespace proxima
+} // namespace proxima::anchor_test

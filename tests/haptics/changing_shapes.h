@@ -6,6 +6,7 @@
 #include "haptics/force/surface_renderer.h"
 #include "haptics/scene/touch_access.h"
 #include "haptics/scenes_to_touch.h"
+#include "haptics/servo_tick.h"
 #include "proxima/device.h"
 #include "proxima/haptic_renderer.h"
 #include "proxima/touch_scene.h"
@@ -21,7 +22,6 @@
 
 namespace proxima::testing {
 
-inline constexpr double tick_seconds = 1e-3;
 inline constexpr double frame_seconds = 1.0 / 60;
 
 inline const WorkspaceMap same_unit{};

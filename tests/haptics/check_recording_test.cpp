@@ -24,7 +24,7 @@
 #include <string>
 #include <vector>
 
-namespace proxima {
+namespace proxima::check_recording_test {
 namespace {
 
 using namespace testing;
@@ -502,4 +502,4 @@ TEST_F(ForgedRecordingTest, EverythingInRangeIsReplayed)
 }
 
 } // namespace
-} // namespace proxima
+} // namespace proxima::check_recording_test

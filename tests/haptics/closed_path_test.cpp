@@ -33,7 +33,7 @@
 #include <string>
 #include <utility>
 
-namespace proxima {
+namespace proxima::closed_path_test {
 namespace {
 
 constexpr double stiffness = 500;
@@ -358,4 +358,4 @@ TEST(ClosedPath, OverOuterEdgesNeverGeneratesEnergy)
 }
 
 } // namespace
-} // namespace proxima
+} // namespace proxima::closed_path_test

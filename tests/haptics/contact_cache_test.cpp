@@ -16,7 +16,7 @@
 #include <set>
 #include <string>
 
-namespace proxima {
+namespace proxima::contact_cache_test {
 namespace {
 
 using testing::HandPath;
@@ -307,4 +307,4 @@ TEST(ContactCache, AgreesWithAllTrianglesForFastHandsOnEveryInstructionSet)
 }
 
 } // namespace
-} // namespace proxima
+} // namespace proxima::contact_cache_test

@@ -9,7 +9,7 @@
 #include <limits>
 #include <random>
 
-namespace proxima {
+namespace proxima::contact_force_test {
 namespace {
 
 constexpr double tick = 1e-3;
@@ -151,4 +151,4 @@ TEST(ForceOptions, AreLimitedByTheDevice)
 }
 
 } // namespace
-} // namespace proxima
+} // namespace proxima::contact_force_test

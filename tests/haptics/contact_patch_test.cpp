@@ -18,7 +18,7 @@
 #include <limits>
 #include <thread>
 
-namespace proxima {
+namespace proxima::contact_patch_test {
 namespace {
 
 /// A hand that never goes faster than `speed` along a path that does.
@@ -188,4 +188,4 @@ TEST(PatchExchange, HandsOverPatchesWhileAServoRuns)
 }
 
 } // namespace
-} // namespace proxima
+} // namespace proxima::contact_patch_test

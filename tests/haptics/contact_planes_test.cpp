@@ -8,7 +8,7 @@
 #include <span>
 #include <vector>
 
-namespace proxima {
+namespace proxima::contact_planes_test {
 namespace {
 
 Vec3 random_direction(std::mt19937& random)
@@ -136,4 +136,4 @@ TEST(ContactPlanes, ReportOppositePlanesAsInfeasible)
 }
 
 } // namespace
-} // namespace proxima
+} // namespace proxima::contact_planes_test

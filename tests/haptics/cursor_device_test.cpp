@@ -10,7 +10,7 @@
 #include <limits>
 #include <thread>
 
-namespace proxima {
+namespace proxima::cursor_device_test {
 namespace {
 
 TEST(CursorDevice, FollowsAJumpingCursorSmoothly)
@@ -111,4 +111,4 @@ TEST(CursorDevice, HandsOverBetweenThreadsWithoutAllocating)
 }
 
 } // namespace
-} // namespace proxima
+} // namespace proxima::cursor_device_test

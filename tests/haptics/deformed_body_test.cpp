@@ -12,7 +12,7 @@
 #include <thread>
 #include <vector>
 
-namespace proxima {
+namespace proxima::deformed_body_test {
 namespace {
 
 using namespace testing;
@@ -200,4 +200,4 @@ TEST(DeformedBody, AnotherThreadMayGiveShapes)
 }
 
 } // namespace
-} // namespace proxima
+} // namespace proxima::deformed_body_test

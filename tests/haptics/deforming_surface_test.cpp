@@ -12,7 +12,7 @@
 #include <string>
 #include <vector>
 
-namespace proxima {
+namespace proxima::deforming_surface_test {
 namespace {
 
 using namespace testing;
@@ -223,4 +223,4 @@ TEST(DeformingSurface, AClothThatComesAtTheHandTakesTheProxyAlong)
 }
 
 } // namespace
-} // namespace proxima
+} // namespace proxima::deforming_surface_test

@@ -11,7 +11,7 @@
 #include <thread>
 #include <vector>
 
-namespace proxima {
+namespace proxima::device_input_test {
 namespace {
 
 using testing::CubeScene;
@@ -516,4 +516,4 @@ TEST(ButtonQueue, LosesNoEventBetweenThreads)
 }
 
 } // namespace
-} // namespace proxima
+} // namespace proxima::device_input_test

@@ -6,7 +6,7 @@
 #include <random>
 #include <vector>
 
-namespace proxima {
+namespace proxima::encoder_step_test {
 namespace {
 
 /// A slow motion to and fro, as an encoder of that step reports it; 0 for none.
@@ -112,4 +112,4 @@ TEST(EncoderStep, IsUnknownWithoutMotion)
 }
 
 } // namespace
-} // namespace proxima
+} // namespace proxima::encoder_step_test

@@ -14,7 +14,7 @@
 #include <map>
 #include <random>
 
-namespace proxima {
+namespace proxima::engine_link_test {
 namespace {
 
 using namespace testing;
@@ -536,4 +536,4 @@ TEST(EngineChannel, IsOpenedByName)
 }
 
 } // namespace
-} // namespace proxima
+} // namespace proxima::engine_link_test

@@ -10,7 +10,7 @@
 #include <limits>
 #include <random>
 
-namespace proxima {
+namespace proxima::engine_packets_test {
 namespace {
 
 using namespace testing;
@@ -180,4 +180,4 @@ TEST(EnginePackets, RefuseEveryOtherLengthMagicAndVersion)
 }
 
 } // namespace
-} // namespace proxima
+} // namespace proxima::engine_packets_test

@@ -15,7 +15,7 @@
 #include <cmath>
 #include <random>
 
-namespace proxima {
+namespace proxima::free_position_test {
 namespace {
 
 using namespace testing;
@@ -163,4 +163,4 @@ TEST(Proxy, IsNotStuckWhenItStartsInACornerOfTheShip)
 }
 
 } // namespace
-} // namespace proxima
+} // namespace proxima::free_position_test

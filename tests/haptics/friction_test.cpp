@@ -23,7 +23,7 @@
 #include <string>
 #include <vector>
 
-namespace proxima {
+namespace proxima::friction_test {
 namespace {
 
 using testing::grid_mesh;
@@ -491,4 +491,4 @@ TEST(Friction, KeepsWithinItsConeAtTheProxy)
 }
 
 } // namespace
-} // namespace proxima
+} // namespace proxima::friction_test

@@ -5,6 +5,7 @@
 //     held        a simulated hand of 150 to 1,500 N/m leads a device along the motion
 #pragma once
 
+#include "haptics/servo_tick.h"
 #include "haptics/wall_swing.h"
 
 #include <cmath>
@@ -19,7 +20,7 @@
 namespace proxima::testing {
 
 /// Where the tip is, or the hand wants it, in a tick; the wall is at z = 0. Called tick by tick.
-using HandPath = std::function<Vec3(double seconds)>;
+using HandMotion = std::function<Vec3(double seconds)>;
 
 struct HandSession {
     std::string name;
@@ -28,7 +29,7 @@ struct HandSession {
     double damping = 1;
     double encoder_step = 0;
     std::optional<HandModel> hand; ///< none: the motion is imposed
-    HandPath path;
+    HandMotion path;
 };
 
 struct HandOutcome {
@@ -41,8 +42,8 @@ struct HandOutcome {
 
 /// Taps of `depth` below the wall, of which `above` is the part of the way above it. A share `inward`
 /// of each tap is the way in. Periods vary by 5 % and depths by 15 %, as a hand's do.
-inline HandPath tapping(double per_second, double depth, double above, double inward,
-                        std::uint64_t seed)
+inline HandMotion tapping(double per_second, double depth, double above, double inward,
+                          std::uint64_t seed)
 {
     struct State {
         std::mt19937_64 random;
@@ -67,7 +68,7 @@ inline HandPath tapping(double per_second, double depth, double above, double in
 }
 
 /// A tremor in contact, below a hand that presses.
-inline HandPath trembling(double per_second, double amplitude, double depth)
+inline HandMotion trembling(double per_second, double amplitude, double depth)
 {
     return [=](double seconds) {
         const double swell = 1 + 0.3 * std::sin(2 * std::numbers::pi * 0.37 * seconds);
@@ -77,7 +78,7 @@ inline HandPath trembling(double per_second, double amplitude, double depth)
 }
 
 /// Strokes of 20 mm, lifted after each, with a tremor of 0.1 mm.
-inline HandPath writing(double strokes_per_second)
+inline HandMotion writing(double strokes_per_second)
 {
     return [=](double seconds) {
         const double angle = 2 * std::numbers::pi * strokes_per_second * seconds;
@@ -88,7 +89,7 @@ inline HandPath writing(double strokes_per_second)
     };
 }
 
-inline HandPath resting(double depth)
+inline HandMotion resting(double depth)
 {
     return [=](double seconds) { return Vec3(0, 0, -depth * std::min(seconds, 1.0)); };
 }
@@ -100,7 +101,7 @@ inline std::vector<HandSession> hand_sessions(const DeviceLimits& device, double
 {
     std::vector<HandSession> sessions;
     const auto add = [&](const std::string& name, double encoder_step,
-                         const std::optional<HandModel>& hand, HandPath path) {
+                         const std::optional<HandModel>& hand, HandMotion path) {
         const std::string whole =
             std::string(device.name) + " K " + std::to_string(static_cast<int>(stiffness)) + ' ' +
             name + (encoder_step > 0 ? " coarse" : "") +
@@ -158,7 +159,6 @@ inline std::vector<HandSession> hand_sessions(const DeviceLimits& device, double
 inline HandOutcome run_hand_session(const SwingWall& wall, const HandSession& session,
                                     double seconds, Guard guard = Guard::on)
 {
-    constexpr double tick_seconds = 1e-3;
     RenderOptions options;
     options.force.stiffness = session.stiffness;
     options.force.damping = session.damping;
@@ -171,7 +171,7 @@ inline HandOutcome run_hand_session(const SwingWall& wall, const HandSession& se
     HandOutcome outcome;
     DeviceReading reading;
     Vec3 before = start;
-    HandPath path = session.path;
+    HandMotion path = session.path;
     double whole = 0;
     double taken = 0;
     const auto ticks = static_cast<std::int64_t>(std::llround(seconds / tick_seconds));

@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-namespace proxima {
+namespace proxima::hand_sessions_test {
 namespace {
 
 using testing::hand_sessions;
@@ -115,4 +115,4 @@ TEST(HandSessions, ObservingLeavesTheForce)
 }
 
 } // namespace
-} // namespace proxima
+} // namespace proxima::hand_sessions_test

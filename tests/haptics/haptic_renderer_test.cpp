@@ -20,7 +20,7 @@
 #include <numbers>
 #include <random>
 
-namespace proxima {
+namespace proxima::haptic_renderer_test {
 namespace {
 
 constexpr double tick_seconds = 1e-3;
@@ -479,4 +479,4 @@ TEST(HandScript, IsSmoothAndPeriodic)
 }
 
 } // namespace
-} // namespace proxima
+} // namespace proxima::haptic_renderer_test

@@ -19,7 +19,7 @@
 #include <string>
 #include <vector>
 
-namespace proxima {
+namespace proxima::height_image_test {
 namespace {
 
 using testing::image_of;
@@ -331,4 +331,4 @@ TEST(HeightImage, IsNeededByItsShapeAndIgnoredByOthers)
 }
 
 } // namespace
-} // namespace proxima
+} // namespace proxima::height_image_test

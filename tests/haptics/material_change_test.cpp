@@ -8,7 +8,7 @@
 
 #include <limits>
 
-namespace proxima {
+namespace proxima::material_change_test {
 namespace {
 
 using namespace testing;
@@ -111,4 +111,4 @@ TEST(MaterialChange, RefusesWhatIsNoMaterial)
 }
 
 } // namespace
-} // namespace proxima
+} // namespace proxima::material_change_test

@@ -12,7 +12,7 @@
 #include <random>
 #include <vector>
 
-namespace proxima {
+namespace proxima::motion_fit_test {
 namespace {
 
 using testing::device;
@@ -174,4 +174,4 @@ TEST(MotionFit, SaysNothingOfADeviceThatHardlyMoves)
 }
 
 } // namespace
-} // namespace proxima
+} // namespace proxima::motion_fit_test

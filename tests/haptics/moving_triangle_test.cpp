@@ -8,7 +8,7 @@
 #include <random>
 #include <string>
 
-namespace proxima {
+namespace proxima::moving_triangle_test {
 namespace {
 
 constexpr int instants = 400;
@@ -141,4 +141,4 @@ TEST(MovingTriangle, PlanesSeparateForTheWholeMotion)
 }
 
 } // namespace
-} // namespace proxima
+} // namespace proxima::moving_triangle_test

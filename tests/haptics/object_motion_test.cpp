@@ -4,7 +4,7 @@
 
 #include <Eigen/Geometry>
 
-namespace proxima {
+namespace proxima::object_motion_test {
 namespace {
 
 constexpr SceneTime tick_time = 1'000'000;
@@ -172,4 +172,4 @@ TEST(ObjectTrajectory, SlidesAndTurnsAreMotions)
 }
 
 } // namespace
-} // namespace proxima
+} // namespace proxima::object_motion_test

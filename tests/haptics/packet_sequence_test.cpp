@@ -4,7 +4,7 @@
 
 #include <cstdint>
 
-namespace proxima {
+namespace proxima::packet_sequence_test {
 namespace {
 
 using enum PacketVerdict;
@@ -14,7 +14,7 @@ constexpr UdpAddress ours{.port = 7000};
 constexpr UdpAddress theirs{.port = 7001};
 
 /// Another session of the same program may begin after 250 ms, another program after a second.
-class PacketSequenceTest : public testing::Test {
+class PacketSequenceTest : public ::testing::Test {
 protected:
     PacketVerdict judge(std::uint64_t session, std::uint64_t sequence, const UdpAddress& from,
                         std::int64_t milliseconds)
@@ -117,4 +117,4 @@ TEST_F(PacketSequenceTest, HearsAnotherAddressAfterTheLongSilenceAlone)
 }
 
 } // namespace
-} // namespace proxima
+} // namespace proxima::packet_sequence_test

@@ -17,7 +17,7 @@
 #include <memory>
 #include <set>
 
-namespace proxima {
+namespace proxima::patch_groups_test {
 namespace {
 
 using testing::HandPath;
@@ -205,4 +205,4 @@ TEST(PatchGroups, AreFilledAndQueriedWithoutAllocation)
 }
 
 } // namespace
-} // namespace proxima
+} // namespace proxima::patch_groups_test

@@ -25,7 +25,7 @@
 #include <limits>
 #include <random>
 
-namespace proxima {
+namespace proxima::penalty_probe_test {
 namespace {
 
 constexpr double tick_seconds = 1e-3;
@@ -218,4 +218,4 @@ TEST_F(PenaltyRecordingTest, IsReplayedBitForBit)
 }
 
 } // namespace
-} // namespace proxima
+} // namespace proxima::penalty_probe_test

@@ -12,7 +12,7 @@
 #include <cmath>
 #include <random>
 
-namespace proxima {
+namespace proxima::remote_servo_test {
 namespace {
 
 using testing::CubeScene;
@@ -267,4 +267,4 @@ TEST(RemoteServo, RefusesHostileReplies)
 }
 
 } // namespace
-} // namespace proxima
+} // namespace proxima::remote_servo_test

@@ -23,7 +23,7 @@
 #include <string>
 #include <vector>
 
-namespace proxima {
+namespace proxima::scene_cache_test {
 namespace {
 
 using namespace testing;
@@ -438,4 +438,4 @@ TEST(ObjectCache, KeepsTwoAlternatingPositions)
 }
 
 } // namespace
-} // namespace proxima
+} // namespace proxima::scene_cache_test

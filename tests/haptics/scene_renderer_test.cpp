@@ -16,7 +16,7 @@
 #include <string>
 #include <thread>
 
-namespace proxima {
+namespace proxima::scene_renderer_test {
 namespace {
 
 using namespace testing;
@@ -429,4 +429,4 @@ TEST(SceneRenderer, AnotherThreadMayMoveAndExchangeObjects)
 }
 
 } // namespace
-} // namespace proxima
+} // namespace proxima::scene_renderer_test

@@ -15,7 +15,7 @@
 #include <numbers>
 #include <string>
 
-namespace proxima {
+namespace proxima::scripted_scene_test {
 namespace {
 
 using namespace testing;
@@ -265,4 +265,4 @@ TEST(Recording, StoresAScene)
 }
 
 } // namespace
-} // namespace proxima
+} // namespace proxima::scripted_scene_test

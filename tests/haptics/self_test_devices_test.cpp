@@ -13,7 +13,7 @@
 #include <memory>
 #include <span>
 
-namespace proxima {
+namespace proxima::self_test_devices_test {
 namespace {
 
 using testing::listening_device;
@@ -189,4 +189,4 @@ TEST(SelfTestDevices, ReportsADeviceThatSaysNothingOverUdp)
 }
 
 } // namespace
-} // namespace proxima
+} // namespace proxima::self_test_devices_test

@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-namespace proxima {
+namespace proxima::self_test_faults_test {
 namespace {
 
 using testing::ChangedHand;
@@ -222,4 +222,4 @@ TEST(SelfTest, RefusesOptionsOutOfRange)
 }
 
 } // namespace
-} // namespace proxima
+} // namespace proxima::self_test_faults_test

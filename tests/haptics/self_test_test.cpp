@@ -9,7 +9,7 @@
 #include <random>
 #include <string>
 
-namespace proxima {
+namespace proxima::self_test_test {
 namespace {
 
 using testing::ChangedHand;
@@ -274,4 +274,4 @@ TEST(SelfTest, RepeatsWhatAGapHasSpoilt)
 }
 
 } // namespace
-} // namespace proxima
+} // namespace proxima::self_test_test

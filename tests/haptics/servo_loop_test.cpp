@@ -10,7 +10,7 @@
 #include <thread>
 #include <vector>
 
-namespace proxima {
+namespace proxima::servo_loop_test {
 namespace {
 
 TEST(LatencyHistogram, QuantilesAreWithinThreePercent)
@@ -89,4 +89,4 @@ TEST(ServoLoop, ReportsWhatTheSystemDidNotGrant)
 }
 
 } // namespace
-} // namespace proxima
+} // namespace proxima::servo_loop_test

@@ -17,7 +17,7 @@
 #include <cmath>
 #include <numbers>
 
-namespace proxima {
+namespace proxima::shading_normals_test {
 namespace {
 
 using namespace testing;
@@ -184,4 +184,4 @@ TEST(ForceShading, PassesThroughNothingAndGeneratesNoEnergy)
 }
 
 } // namespace
-} // namespace proxima
+} // namespace proxima::shading_normals_test

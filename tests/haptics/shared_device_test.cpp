@@ -9,7 +9,7 @@
 
 #include <cstdlib>
 
-namespace proxima {
+namespace proxima::shared_device_test {
 namespace {
 
 using testing::CubeScene;
@@ -230,4 +230,4 @@ TEST(DhdDevice, ReportsWhatIsMissing)
 }
 
 } // namespace
-} // namespace proxima
+} // namespace proxima::shared_device_test

@@ -11,7 +11,7 @@
 #include <sys/stat.h>
 #include <sys/wait.h>
 
-namespace proxima {
+namespace proxima::shared_segment_test {
 namespace {
 
 using namespace testing;
@@ -148,4 +148,4 @@ TEST(SharedSegment, AWriterThatDiesLeavesNothingLocked)
 }
 
 } // namespace
-} // namespace proxima
+} // namespace proxima::shared_segment_test

@@ -9,7 +9,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace proxima {
+namespace proxima::simulated_hand_test {
 namespace {
 
 using testing::stiffness_limit;
@@ -221,4 +221,4 @@ TEST(PassivityGuard, StartsAnewAndRecoversWithinSeconds)
 }
 
 } // namespace
-} // namespace proxima
+} // namespace proxima::simulated_hand_test

@@ -16,7 +16,7 @@
 #include <cmath>
 #include <memory>
 
-namespace proxima {
+namespace proxima::slide_sphere_test {
 namespace {
 
 using testing::HandPath;
@@ -303,4 +303,4 @@ TEST(SlideSphere, StartsFreeWhereverItIsPut)
 }
 
 } // namespace
-} // namespace proxima
+} // namespace proxima::slide_sphere_test

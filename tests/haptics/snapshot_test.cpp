@@ -6,7 +6,7 @@
 #include <atomic>
 #include <thread>
 
-namespace proxima {
+namespace proxima::snapshot_test {
 namespace {
 
 /// Large enough to be torn, were it possible.
@@ -82,4 +82,4 @@ TEST(Snapshot, IsNeverTornAndNeverGoesBack)
 }
 
 } // namespace
-} // namespace proxima
+} // namespace proxima::snapshot_test

@@ -7,7 +7,7 @@
 
 #include <utility>
 
-namespace proxima {
+namespace proxima::suggested_settings_test {
 namespace {
 
 using testing::device;
@@ -72,4 +72,4 @@ TEST(SuggestedSettings, FollowTheLimits)
 }
 
 } // namespace
-} // namespace proxima
+} // namespace proxima::suggested_settings_test

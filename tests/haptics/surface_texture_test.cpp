@@ -30,7 +30,7 @@
 #include <string>
 #include <vector>
 
-namespace proxima {
+namespace proxima::surface_texture_test {
 namespace {
 
 using testing::cube_mesh;
@@ -831,4 +831,4 @@ TEST(SurfaceTexture, NumbersOutOfRangeAreNamed)
 }
 
 } // namespace
-} // namespace proxima
+} // namespace proxima::surface_texture_test

@@ -10,7 +10,7 @@
 #include <optional>
 #include <random>
 
-namespace proxima {
+namespace proxima::swept_sphere_test {
 namespace {
 
 double distance(const Triangle& triangle, const Vec3& p)
@@ -184,4 +184,4 @@ TEST(SweptSphere, NormalsOfSliversAreExact)
 }
 
 } // namespace
-} // namespace proxima
+} // namespace proxima::swept_sphere_test

@@ -5,7 +5,7 @@
 #include <array>
 #include <span>
 
-namespace proxima {
+namespace proxima::swing_response_test {
 namespace {
 
 constexpr double tick_seconds = 0x1p-10;
@@ -175,4 +175,4 @@ TEST(SwingResponse, TrustsNoHandBeforeAnythingWasDamped)
 }
 
 } // namespace
-} // namespace proxima
+} // namespace proxima::swing_response_test

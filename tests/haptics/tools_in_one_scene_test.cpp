@@ -28,7 +28,7 @@
 #include <utility>
 #include <vector>
 
-namespace proxima {
+namespace proxima::tools_in_one_scene_test {
 namespace {
 
 using namespace testing;
@@ -431,4 +431,4 @@ TEST(ToolsInOneScene, RunInThreadsOfTheirOwn)
 }
 
 } // namespace
-} // namespace proxima
+} // namespace proxima::tools_in_one_scene_test

@@ -13,7 +13,7 @@
 #include <cmath>
 #include <limits>
 
-namespace proxima {
+namespace proxima::touch_scene_test {
 namespace {
 
 using namespace testing;
@@ -196,4 +196,4 @@ TEST(TouchBody, CopiesShareTheirStorageAndOutliveTheScene)
 }
 
 } // namespace
-} // namespace proxima
+} // namespace proxima::touch_scene_test

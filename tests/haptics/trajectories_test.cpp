@@ -32,7 +32,7 @@
 #include <string>
 #include <vector>
 
-namespace proxima {
+namespace proxima::trajectories_test {
 namespace {
 
 using testing::grid_mesh;
@@ -429,4 +429,4 @@ TEST(Trajectories, PassNothingRestWhereNothingIsNearerAndMakeNoEnergy)
 }
 
 } // namespace
-} // namespace proxima
+} // namespace proxima::trajectories_test

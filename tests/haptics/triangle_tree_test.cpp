@@ -8,7 +8,7 @@
 
 #include <gtest/gtest.h>
 
-namespace proxima {
+namespace proxima::triangle_tree_test {
 namespace {
 
 using namespace testing;
@@ -251,4 +251,4 @@ TEST(TriangleTree, RefusesInvalidMeshesAndStopsOnRequest)
 }
 
 } // namespace
-} // namespace proxima
+} // namespace proxima::triangle_tree_test

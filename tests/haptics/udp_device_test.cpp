@@ -7,7 +7,7 @@
 
 #include <random>
 
-namespace proxima {
+namespace proxima::udp_device_test {
 namespace {
 
 using testing::CubeScene;
@@ -284,4 +284,4 @@ TEST(UdpSocket, ParsesAddressesAndReportsPortsInUse)
 }
 
 } // namespace
-} // namespace proxima
+} // namespace proxima::udp_device_test

@@ -9,7 +9,7 @@
 #include <cstring>
 #include <random>
 
-namespace proxima {
+namespace proxima::udp_packets_test {
 namespace {
 
 using testing::state_packet;
@@ -182,4 +182,4 @@ TEST(UdpPackets, RefuseOtherSizesMagicsAndVersions)
 }
 
 } // namespace
-} // namespace proxima
+} // namespace proxima::udp_packets_test

@@ -10,7 +10,7 @@
 #include <random>
 #include <thread>
 
-namespace proxima {
+namespace proxima::udp_session_test {
 namespace {
 
 using testing::CubeScene;
@@ -256,4 +256,4 @@ TEST(UdpSession, ACutLineFadesTheForceOnBothSidesAndRecovers)
 }
 
 } // namespace
-} // namespace proxima
+} // namespace proxima::udp_session_test

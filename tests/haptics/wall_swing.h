@@ -79,23 +79,23 @@ inline SwingResult swing(const SwingWall& wall, const SwingSetting& setting, dou
     options.guard = setting.guard;
     HapticRenderer renderer =
         make_surface_renderer(wall.surface(), SwingWall::map(), setting.device, options);
-    const double tick_seconds = setting.hand.tick_seconds;
+    const double hand_tick = setting.hand.tick_seconds;
     // The proxy begins outside, and the ramp of the start is over when the hand lets go.
     DeviceState rest;
     rest.pose.translation = Vec3(0, 0, wall.sides() == WallSides::one ? 1e-3 : 0.0);
-    for (int tick = 0; tick < 300; ++tick) renderer.tick(rest, tick_seconds);
+    for (int tick = 0; tick < 300; ++tick) renderer.tick(rest, hand_tick);
     SimulatedHand hand(setting.hand, Vec3(0, 0, -1e-3));
     const Vec3 target(0, 0, setting.target);
-    const int ticks = static_cast<int>(std::lround(seconds / tick_seconds));
-    const int end = ticks - static_cast<int>(std::lround(last / tick_seconds));
+    const int ticks = static_cast<int>(std::lround(seconds / hand_tick));
+    const int end = ticks - static_cast<int>(std::lround(last / hand_tick));
     SwingResult outcome;
     double low = 0;
     double high = 0;
     double end_low = 0;
     double end_high = 0;
-    const int part = static_cast<int>(std::lround(0.5 / tick_seconds));
+    const int part = static_cast<int>(std::lround(0.5 / hand_tick));
     for (int tick = 0; tick < ticks; ++tick) {
-        const RenderTick& result = renderer.tick(hand.state(), tick_seconds);
+        const RenderTick& result = renderer.tick(hand.state(), hand_tick);
         hand.step(result.force, target);
         const double z = hand.position().z();
         outcome.checksum += result.force.z() * (tick % 1000 + 1);

@@ -16,7 +16,7 @@
 #include <numbers>
 #include <string>
 
-namespace proxima {
+namespace proxima::wall_swing_test {
 namespace {
 
 using testing::swing;
@@ -345,4 +345,4 @@ TEST(EnergyAccount, FindsTheEnergyOfAClosedPathForEachDelay)
 }
 
 } // namespace
-} // namespace proxima
+} // namespace proxima::wall_swing_test

@@ -12,7 +12,7 @@
 #include <limits>
 #include <string>
 
-namespace proxima {
+namespace proxima::wrong_options_test {
 namespace {
 
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();
@@ -160,4 +160,4 @@ TEST(OpenDevice, OpensByName)
 }
 
 } // namespace
-} // namespace proxima
+} // namespace proxima::wrong_options_test

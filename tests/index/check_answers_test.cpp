@@ -6,7 +6,7 @@
 
 #include <bit>
 
-namespace proxima {
+namespace proxima::check_answers_test {
 namespace {
 
 using testing::EditableIndex;
@@ -57,4 +57,4 @@ TEST(CheckAnswers, CanBeCancelled)
 }
 
 } // namespace
-} // namespace proxima
+} // namespace proxima::check_answers_test

@@ -1,7 +1,7 @@
 // Every kind of damage to an index's rows and blocks is found and named.
 #include "index/damaged_index.h"
 
-namespace proxima {
+namespace proxima::check_structure_test {
 namespace {
 
 using testing::EditableIndex;
@@ -155,4 +155,4 @@ TEST_F(CheckStructure, NamesADamagedLeaf)
 }
 
 } // namespace
-} // namespace proxima
+} // namespace proxima::check_structure_test

@@ -12,7 +12,7 @@
 #include <cstring>
 #include <random>
 
-namespace proxima {
+namespace proxima::mesh_index_test {
 namespace {
 
 using namespace testing;
@@ -271,4 +271,4 @@ TEST(MeshIndex, RefusesInvalidMeshes)
 }
 
 } // namespace
-} // namespace proxima
+} // namespace proxima::mesh_index_test

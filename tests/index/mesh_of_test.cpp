@@ -10,7 +10,7 @@
 #include <bit>
 #include <gtest/gtest.h>
 
-namespace proxima {
+namespace proxima::mesh_of_test {
 namespace {
 
 TEST(MeshOf, ReturnsTheMeshThatTheIndexWasBuiltFrom)
@@ -115,4 +115,4 @@ TEST(MeshOf, DetectsAnotherMesh)
 }
 
 } // namespace
-} // namespace proxima
+} // namespace proxima::mesh_of_test

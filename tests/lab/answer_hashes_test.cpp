@@ -20,7 +20,7 @@
 #include <string>
 #include <vector>
 
-namespace proxima {
+namespace proxima::answer_hashes_test {
 namespace {
 
 /// A checksum of numbers one after the other; padding of structs does not count.
@@ -264,4 +264,4 @@ TEST(AnswerHashes, AreTheSameOnEveryInstructionSet)
 }
 
 } // namespace
-} // namespace proxima
+} // namespace proxima::answer_hashes_test

@@ -23,7 +23,7 @@
 #include <string>
 #include <vector>
 
-namespace proxima {
+namespace proxima::limits_test {
 namespace {
 
 class Limits : public FolderTest {};
@@ -158,4 +158,4 @@ TEST_F(Limits, OfScenes)
 }
 
 } // namespace
-} // namespace proxima
+} // namespace proxima::limits_test

@@ -6,7 +6,7 @@
 #include <gtest/gtest.h>
 #include <map>
 
-namespace proxima {
+namespace proxima::nasty_corpus_test {
 namespace {
 
 using namespace testing;
@@ -36,4 +36,4 @@ TEST_F(NastyCorpus, IsAnsweredRightOrRefusedInWords)
 }
 
 } // namespace
-} // namespace proxima
+} // namespace proxima::nasty_corpus_test

@@ -21,7 +21,7 @@
 #include <string>
 #include <vector>
 
-namespace proxima {
+namespace proxima::not_finite_test {
 namespace {
 
 constexpr double nan_value = std::numeric_limits<double>::quiet_NaN();
@@ -211,4 +211,4 @@ TEST(NotFinite, IsNamedByTheReportAndDroppedByRepair)
 }
 
 } // namespace
-} // namespace proxima
+} // namespace proxima::not_finite_test

@@ -8,7 +8,7 @@
 
 #include <gtest/gtest.h>
 
-namespace proxima {
+namespace proxima::query_sets_test {
 namespace {
 
 TEST(QuerySets, LieWhereTheirNamesSay)
@@ -62,4 +62,4 @@ TEST(QuerySets, AreFiniteForMeshesWithoutExtentOrArea)
 }
 
 } // namespace
-} // namespace proxima
+} // namespace proxima::query_sets_test

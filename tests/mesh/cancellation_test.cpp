@@ -6,7 +6,7 @@
 
 #include <array>
 
-namespace proxima {
+namespace proxima::cancellation_test {
 namespace {
 
 using testing::cancel_at_every_stage;
@@ -90,4 +90,4 @@ TEST(CancellationOfSamples, ProgressDoesNotChangeTheMesh)
 }
 
 } // namespace
-} // namespace proxima
+} // namespace proxima::cancellation_test

@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-namespace proxima {
+namespace proxima::equal_items_test {
 namespace {
 
 TEST(FirstEqualItems, AgreesWithComparingAllPairs)
@@ -31,4 +31,4 @@ TEST(FirstEqualItems, AgreesWithComparingAllPairs)
 }
 
 } // namespace
-} // namespace proxima
+} // namespace proxima::equal_items_test

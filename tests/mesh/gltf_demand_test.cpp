@@ -2,7 +2,7 @@
 #include "base/text.h"
 #include "mesh/mesh_files.h"
 
-namespace proxima {
+namespace proxima::gltf_demand_test {
 namespace {
 
 constexpr MemoryBudget ten_megabytes{.bytes = 10'000'000};
@@ -62,7 +62,7 @@ Error error_of_scene(const Scene& scene)
                     {.execution = {.budget = ten_megabytes}});
 }
 
-class GltfDemand : public testing::Test {
+class GltfDemand : public ::testing::Test {
 protected:
     void SetUp() override
     {
@@ -251,4 +251,4 @@ TEST_F(GltfDemand, RefusesScenesThatWouldOverflowTheStack)
 }
 
 } // namespace
-} // namespace proxima
+} // namespace proxima::gltf_demand_test

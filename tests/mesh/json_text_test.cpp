@@ -5,7 +5,7 @@
 #include <gtest/gtest.h>
 #include <random>
 
-namespace proxima::detail {
+namespace proxima::detail::json_text_test {
 namespace {
 
 Result<JsonText> parsed(std::string_view text, MemoryBudget budget = {})
@@ -129,4 +129,4 @@ TEST(JsonText, ParsesWhatItWrites)
 }
 
 } // namespace
-} // namespace proxima::detail
+} // namespace proxima::detail::json_text_test

@@ -3,7 +3,7 @@
 
 #include <random>
 
-namespace proxima {
+namespace proxima::mesh_io_damage_test {
 namespace {
 
 bool is_text_with_counts(const SeedFile& seed)
@@ -160,4 +160,4 @@ TEST(MeshIoDamage, RandomBytesAreRefused)
 }
 
 } // namespace
-} // namespace proxima
+} // namespace proxima::mesh_io_damage_test

@@ -2,7 +2,7 @@
 #include "base/text.h"
 #include "mesh/mesh_files.h"
 
-namespace proxima {
+namespace proxima::mesh_io_errors_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -156,4 +156,4 @@ TEST(MeshIoErrors, StopOnRequest)
 }
 
 } // namespace
-} // namespace proxima
+} // namespace proxima::mesh_io_errors_test

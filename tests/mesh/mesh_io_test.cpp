@@ -7,7 +7,7 @@
 #include <map>
 #include <random>
 
-namespace proxima {
+namespace proxima::mesh_io_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -375,4 +375,4 @@ TEST(MeshIo, ReportsProgress)
 }
 
 } // namespace
-} // namespace proxima
+} // namespace proxima::mesh_io_test

@@ -14,7 +14,7 @@
 #include <numeric>
 #include <set>
 
-namespace proxima {
+namespace proxima::mesh_repair_test {
 namespace {
 
 using Kind = RepairStepKind;
@@ -847,4 +847,4 @@ TEST(MeshRepair, ReportsEachStageToItsEnd)
 }
 
 } // namespace
-} // namespace proxima
+} // namespace proxima::mesh_repair_test

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <gtest/gtest.h>
 
-namespace proxima {
+namespace proxima::mesh_report_edges_test {
 namespace {
 
 TEST(MeshReport, FindsBoundaryEdgesAndLoops)
@@ -145,4 +145,4 @@ TEST(MeshReport, ReportsNoOrientationForATriangleAndItsReverse)
 }
 
 } // namespace
-} // namespace proxima
+} // namespace proxima::mesh_report_edges_test

@@ -11,7 +11,7 @@
 #include <map>
 #include <set>
 
-namespace proxima {
+namespace proxima::mesh_report_random_test {
 namespace {
 
 using Corners = std::set<std::uint32_t>;
@@ -198,4 +198,4 @@ TEST(MeshReportRandom, IsTheSameForAnyNumberOfThreads)
 }
 
 } // namespace
-} // namespace proxima
+} // namespace proxima::mesh_report_random_test

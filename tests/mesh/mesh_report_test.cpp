@@ -9,7 +9,7 @@
 #include <cmath>
 #include <limits>
 
-namespace proxima {
+namespace proxima::mesh_report_test {
 namespace {
 
 TEST(MeshReport, FindsNothingWrongWithTheSamples)
@@ -299,4 +299,4 @@ TEST(MeshReport, StopsOnRequestAndRespectsItsBudget)
 }
 
 } // namespace
-} // namespace proxima
+} // namespace proxima::mesh_report_test

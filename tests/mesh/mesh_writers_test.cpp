@@ -8,7 +8,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-namespace proxima {
+namespace proxima::mesh_writers_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -206,4 +206,4 @@ TEST_F(MeshWriterTest, LeavesNothingBehindWhenItCannotWrite)
 }
 
 } // namespace
-} // namespace proxima
+} // namespace proxima::mesh_writers_test

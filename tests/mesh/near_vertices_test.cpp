@@ -6,7 +6,7 @@
 #include <gtest/gtest.h>
 #include <random>
 
-namespace proxima {
+namespace proxima::near_vertices_test {
 namespace {
 
 /// Joins each to the nearest of those kept before it.
@@ -57,4 +57,4 @@ TEST(NearVertices, AgreesWithComparingAllPairs)
 }
 
 } // namespace
-} // namespace proxima
+} // namespace proxima::near_vertices_test

@@ -6,7 +6,7 @@
 #include <gtest/gtest.h>
 #include <random>
 
-namespace proxima {
+namespace proxima::nesting_test {
 namespace {
 
 /// Cubes on a small grid of whole numbers: their planes, edges and corners meet all the time. A
@@ -52,4 +52,4 @@ TEST(OddNesting, AgreesWithIntervalsOfCubes)
 }
 
 } // namespace
-} // namespace proxima
+} // namespace proxima::nesting_test

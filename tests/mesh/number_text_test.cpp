@@ -10,7 +10,7 @@
 #include <random>
 #include <string>
 
-namespace proxima::detail {
+namespace proxima::detail::number_text_test {
 namespace {
 
 // The whole text as a number.
@@ -125,4 +125,4 @@ TEST(NumberText, ReadsIntegersWithinBounds)
 }
 
 } // namespace
-} // namespace proxima::detail
+} // namespace proxima::detail::number_text_test

@@ -1,7 +1,7 @@
 // What the readers make of points and lines where they are asked for.
 #include "mesh/mesh_files.h"
 
-namespace proxima {
+namespace proxima::points_and_lines_test {
 namespace {
 
 using Corners = std::vector<TriangleCorners>;
@@ -137,4 +137,4 @@ TEST(PointsAndLines, MeshesOfPointsAndSegments)
 }
 
 } // namespace
-} // namespace proxima
+} // namespace proxima::points_and_lines_test

@@ -11,7 +11,7 @@
 #include <cmath>
 #include <random>
 
-namespace proxima {
+namespace proxima::sample_meshes_test {
 namespace {
 
 // Every edge has two triangles in opposite directions and every triangle an area.
@@ -323,4 +323,4 @@ TEST(SampleMeshes, HaveTheSameBitsEverywhere)
 }
 
 } // namespace
-} // namespace proxima
+} // namespace proxima::sample_meshes_test

@@ -5,7 +5,7 @@
 
 #include <sys/stat.h>
 
-namespace proxima {
+namespace proxima::scene_files_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -134,4 +134,4 @@ TEST_F(SceneFiles, AreNotForScenesInMemory)
 }
 
 } // namespace
-} // namespace proxima
+} // namespace proxima::scene_files_test

@@ -6,7 +6,7 @@
 #include <random>
 #include <set>
 
-namespace proxima {
+namespace proxima::sub_mesh_test {
 namespace {
 
 TEST(SubMesh, HasOnlyTheRequestedTrianglesAndTheirVertices)
@@ -36,4 +36,4 @@ TEST(SubMesh, HasOnlyTheRequestedTrianglesAndTheirVertices)
 }
 
 } // namespace
-} // namespace proxima
+} // namespace proxima::sub_mesh_test

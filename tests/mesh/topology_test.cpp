@@ -8,7 +8,7 @@
 
 #include <algorithm>
 
-namespace proxima {
+namespace proxima::topology_test {
 namespace {
 
 struct OracleEdge {
@@ -200,4 +200,4 @@ TEST(Topology, StopsOnRequest)
 }
 
 } // namespace
-} // namespace proxima
+} // namespace proxima::topology_test

@@ -7,7 +7,7 @@
 #include <cmath>
 #include <gtest/gtest.h>
 
-namespace proxima {
+namespace proxima::triangle_order_test {
 namespace {
 
 /// The id of the cell that holds a triangle's centroid.
@@ -63,4 +63,4 @@ TEST(TriangleOrder, AcceptsCoincidentTrianglesAndStopsOnRequest)
 }
 
 } // namespace
-} // namespace proxima
+} // namespace proxima::triangle_order_test

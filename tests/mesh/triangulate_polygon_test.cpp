@@ -7,7 +7,7 @@
 #include <random>
 #include <set>
 
-namespace proxima {
+namespace proxima::triangulate_polygon_test {
 namespace {
 
 std::vector<std::uint32_t> all_corners(std::size_t count)
@@ -180,4 +180,4 @@ TEST(TriangulatePolygon, RefusesLargeConcavePolygonsOnly)
 }
 
 } // namespace
-} // namespace proxima
+} // namespace proxima::triangulate_polygon_test

@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <numbers>
 
-namespace proxima {
+namespace proxima::unit_circle_test {
 namespace {
 
 TEST(UnitCircle, IsTheRoundedSineAndCosine)
@@ -83,4 +83,4 @@ TEST(UnitCircle, ProductsOnItsGridAreMultiplesOfItsStep)
 }
 
 } // namespace
-} // namespace proxima
+} // namespace proxima::unit_circle_test

@@ -6,7 +6,7 @@
 #include <limits>
 #include <random>
 
-namespace proxima {
+namespace proxima::weld_vertices_test {
 namespace {
 
 bool same(const Vec3& a, const Vec3& b)
@@ -75,4 +75,4 @@ TEST(WeldVertices, AcceptsAnEmptyMesh)
 }
 
 } // namespace
-} // namespace proxima
+} // namespace proxima::weld_vertices_test

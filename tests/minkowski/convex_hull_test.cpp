@@ -10,7 +10,7 @@
 #include <map>
 #include <set>
 
-namespace proxima {
+namespace proxima::convex_hull_test {
 namespace {
 
 using test::Points;
@@ -205,4 +205,4 @@ TEST(ConvexHull, RefusesBadInput)
 }
 
 } // namespace
-} // namespace proxima
+} // namespace proxima::convex_hull_test

@@ -8,7 +8,7 @@
 #include <algorithm>
 #include <limits>
 
-namespace proxima {
+namespace proxima::half_space_intersection_test {
 namespace {
 
 using test::Points;
@@ -77,7 +77,7 @@ TEST(HalfSpaceIntersection, ThinSlabsHaveTheirEightCorners)
 {
     for (const double width : {1e-2, 1e-4, 1e-6, 1e-8, 1e-9, 1e-10, 1e-11}) {
         for (unsigned seed = 0; seed < 40; ++seed) {
-            SCOPED_TRACE(testing::Message() << "seed " << seed << ", width " << width);
+            SCOPED_TRACE(::testing::Message() << "seed " << seed << ", width " << width);
             std::mt19937 random(seed);
             const Eigen::Matrix3d frame = random_frame(random);
             const Planes planes = slab(frame, width);
@@ -98,7 +98,7 @@ TEST(HalfSpaceIntersection, RefusesSlabsThinnerThanItCanResolve)
 {
     for (const double width : {1e-13, 1e-14, 1e-15, 0.0}) {
         for (unsigned seed = 0; seed < 20; ++seed) {
-            SCOPED_TRACE(testing::Message() << "seed " << seed << ", width " << width);
+            SCOPED_TRACE(::testing::Message() << "seed " << seed << ", width " << width);
             std::mt19937 random(seed);
             EXPECT_NE(refusal(slab(random_frame(random), width)).find("no volume"),
                       std::string::npos);
@@ -142,7 +142,7 @@ TEST(HalfSpaceIntersection, AgreesWithSampledPointsOfRandomPlanes)
     int accepted = 0;
     int unbounded = 0;
     for (unsigned seed = 0; seed < 400; ++seed) {
-        SCOPED_TRACE(testing::Message() << "seed " << seed);
+        SCOPED_TRACE(::testing::Message() << "seed " << seed);
         std::mt19937 random(seed);
         std::normal_distribution<double> normal;
         Planes planes;
@@ -182,7 +182,7 @@ TEST(HalfSpaceIntersection, AgreesWithSampledPointsOfRandomPlanes)
 TEST(HalfSpaceIntersection, RecoversTheCornersOfObliqueHulls)
 {
     for (unsigned seed = 0; seed < 150; ++seed) {
-        SCOPED_TRACE(testing::Message() << "seed " << seed);
+        SCOPED_TRACE(::testing::Message() << "seed " << seed);
         std::mt19937 random(seed);
         const Eigen::Matrix3d frame = random_frame(random);
         const Vec3 shift = 100.0 * random_direction(random);
@@ -255,4 +255,4 @@ TEST(HalfSpaceIntersection, StopsOnRequest)
 }
 
 } // namespace
-} // namespace proxima
+} // namespace proxima::half_space_intersection_test

@@ -8,7 +8,7 @@
 
 #include <gtest/gtest.h>
 
-namespace proxima {
+namespace proxima::make_polyhedron_test {
 namespace {
 
 using test::Points;
@@ -198,4 +198,4 @@ TEST(DrawnSurface, CutsRaysAtALength)
 }
 
 } // namespace
-} // namespace proxima
+} // namespace proxima::make_polyhedron_test

@@ -10,7 +10,7 @@
 #include <array>
 #include <set>
 
-namespace proxima {
+namespace proxima::minkowski_cgal_test {
 namespace {
 
 using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
@@ -58,4 +58,4 @@ TEST(MinkowskiSumByCgal, HasTheSameCorners)
 }
 
 } // namespace
-} // namespace proxima
+} // namespace proxima::minkowski_cgal_test

@@ -9,7 +9,7 @@
 #include <map>
 #include <numeric>
 
-namespace proxima {
+namespace proxima::minkowski_sum_test {
 namespace {
 
 using test::cross;
@@ -310,4 +310,4 @@ TEST(MinkowskiSum, StopsOnRequest)
 }
 
 } // namespace
-} // namespace proxima
+} // namespace proxima::minkowski_sum_test

@@ -6,7 +6,7 @@
 
 #include <thread>
 
-namespace proxima {
+namespace proxima::operation_counts_test {
 namespace {
 
 TEST(OperationCounts, CountEachKindSeparately)
@@ -68,4 +68,4 @@ TEST(OperationCounts, AreSeparateForEveryThread)
 }
 
 } // namespace
-} // namespace proxima
+} // namespace proxima::operation_counts_test

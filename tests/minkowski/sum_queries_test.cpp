@@ -7,7 +7,7 @@
 
 #include <set>
 
-namespace proxima {
+namespace proxima::sum_queries_test {
 namespace {
 
 using test::Points;
@@ -291,4 +291,4 @@ TEST(MinkowskiSum, ScalingKeepsTheTopology)
 }
 
 } // namespace
-} // namespace proxima
+} // namespace proxima::sum_queries_test

@@ -19,7 +19,7 @@
 #include <optional>
 #include <random>
 
-namespace proxima {
+namespace proxima::build_octree_test {
 namespace {
 
 using testing::nasty_mesh;
@@ -331,4 +331,4 @@ TEST(BuildOctree, IsInvariantToScalingByPowersOfTwoAndToReordering)
 }
 
 } // namespace
-} // namespace proxima
+} // namespace proxima::build_octree_test

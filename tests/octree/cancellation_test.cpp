@@ -9,7 +9,7 @@
 
 #include <algorithm>
 
-namespace proxima {
+namespace proxima::cancellation_test {
 namespace {
 
 using testing::cancel_at_every_stage;
@@ -110,4 +110,4 @@ TEST(OctreeCheckCancellation, ReportsThatItWasStopped)
 }
 
 } // namespace
-} // namespace proxima
+} // namespace proxima::cancellation_test

@@ -8,7 +8,7 @@
 #include <gtest/gtest.h>
 #include <random>
 
-namespace proxima {
+namespace proxima::check_octree_test {
 namespace {
 
 using namespace testing;
@@ -192,4 +192,4 @@ TEST_F(CheckOctree, SurvivesRandomRecords)
 }
 
 } // namespace
-} // namespace proxima
+} // namespace proxima::check_octree_test

@@ -9,7 +9,7 @@
 #include <gtest/gtest.h>
 #include <random>
 
-namespace proxima {
+namespace proxima::classify_cells_test {
 namespace {
 
 using namespace testing;
@@ -360,4 +360,4 @@ TEST(ClassifyCells, RefusesInvalidInputAndStopsOnRequest)
 }
 
 } // namespace
-} // namespace proxima
+} // namespace proxima::classify_cells_test

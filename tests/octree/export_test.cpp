@@ -12,7 +12,7 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
-namespace proxima {
+namespace proxima::export_test {
 namespace {
 
 using namespace testing;
@@ -162,4 +162,4 @@ TEST(ExportErrors, AreReported)
 }
 
 } // namespace
-} // namespace proxima
+} // namespace proxima::export_test

@@ -10,7 +10,7 @@
 #include <random>
 #include <string>
 
-namespace proxima {
+namespace proxima::grow_cells_test {
 namespace {
 
 using testing::nasty_mesh;
@@ -230,4 +230,4 @@ TEST(GrowCells, RefusesWhatItCannotGrow)
 }
 
 } // namespace
-} // namespace proxima
+} // namespace proxima::grow_cells_test

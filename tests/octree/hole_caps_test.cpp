@@ -10,7 +10,7 @@
 #include <map>
 #include <random>
 
-namespace proxima {
+namespace proxima::hole_caps_test {
 namespace {
 
 using namespace testing;
@@ -97,4 +97,4 @@ TEST(HoleCaps, HaveATriangleForEveryUnbalancedEdgeInAnyOrder)
 }
 
 } // namespace
-} // namespace proxima
+} // namespace proxima::hole_caps_test

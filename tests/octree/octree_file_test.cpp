@@ -16,7 +16,7 @@
 #include <new>
 #include <random>
 
-namespace proxima {
+namespace proxima::octree_file_test {
 namespace {
 
 using namespace testing;
@@ -169,4 +169,4 @@ TEST_F(OctreeFile, HoldsALargeOctree)
 }
 
 } // namespace
-} // namespace proxima
+} // namespace proxima::octree_file_test

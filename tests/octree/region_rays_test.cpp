@@ -9,7 +9,7 @@
 #include <gtest/gtest.h>
 #include <random>
 
-namespace proxima {
+namespace proxima::region_rays_test {
 namespace {
 
 using namespace testing;
@@ -153,4 +153,4 @@ TEST(RegionRays, TieEveryRegionOfASpaceshipToTheOutside)
 }
 
 } // namespace
-} // namespace proxima
+} // namespace proxima::region_rays_test

@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-namespace proxima {
+namespace proxima::statistics_test {
 namespace {
 
 using namespace testing;
@@ -111,4 +111,4 @@ TEST(Statistics, OfTheDefaultOctreeAreZero)
 }
 
 } // namespace
-} // namespace proxima
+} // namespace proxima::statistics_test

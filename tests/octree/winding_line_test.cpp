@@ -10,7 +10,7 @@
 #include <gtest/gtest.h>
 #include <random>
 
-namespace proxima {
+namespace proxima::winding_line_test {
 namespace {
 
 using namespace testing;
@@ -132,4 +132,4 @@ TEST(WindingLine, PartsAddUpToTheWhole)
 }
 
 } // namespace
-} // namespace proxima
+} // namespace proxima::winding_line_test

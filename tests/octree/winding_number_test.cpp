@@ -8,7 +8,7 @@
 #include <gtest/gtest.h>
 #include <random>
 
-namespace proxima {
+namespace proxima::winding_number_test {
 namespace {
 
 using namespace testing;
@@ -194,4 +194,4 @@ TEST(WindingNumber, RefusesMeshesWithoutTrianglesAndStopsOnRequest)
 }
 
 } // namespace
-} // namespace proxima
+} // namespace proxima::winding_number_test

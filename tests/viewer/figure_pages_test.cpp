@@ -7,7 +7,7 @@
 #include <fstream>
 #include <iterator>
 
-namespace proxima {
+namespace proxima::figure_pages_test {
 namespace {
 
 class FigurePages : public FolderTest {
@@ -103,4 +103,4 @@ TEST_F(FigurePages, TheSheetShowsAllFiguresAndListsMissingOnes)
 }
 
 } // namespace
-} // namespace proxima
+} // namespace proxima::figure_pages_test

@@ -16,7 +16,7 @@
 #include <map>
 #include <set>
 
-namespace proxima {
+namespace proxima::figures_test {
 namespace {
 
 TEST(Figures, CirclesShowTheLeavesOfTheirQuadtrees)
@@ -224,4 +224,4 @@ TEST(Figures, AreNumberedOnceAndInOrder)
 }
 
 } // namespace
-} // namespace proxima
+} // namespace proxima::figures_test

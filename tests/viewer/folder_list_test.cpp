@@ -4,7 +4,7 @@
 
 #include <fstream>
 
-namespace proxima {
+namespace proxima::folder_list_test {
 namespace {
 
 class FolderListTest : public FolderTest {
@@ -84,4 +84,4 @@ TEST(TypedPath, ExpandsHomeAndRelativePaths)
 }
 
 } // namespace
-} // namespace proxima
+} // namespace proxima::folder_list_test

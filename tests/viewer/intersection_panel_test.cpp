@@ -10,7 +10,7 @@
 #include <utility>
 #include <vector>
 
-namespace proxima {
+namespace proxima::intersection_panel_test {
 namespace {
 
 TEST(IntersectionPanel, MovesTheSecondModel)
@@ -193,4 +193,4 @@ TEST(IntersectionPanel, ReportsContainment)
 }
 
 } // namespace
-} // namespace proxima
+} // namespace proxima::intersection_panel_test

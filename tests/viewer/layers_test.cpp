@@ -18,7 +18,7 @@
 #include <optional>
 #include <sstream>
 
-namespace proxima {
+namespace proxima::layers_test {
 namespace {
 
 std::shared_ptr<const DrawnScene> ball_scene()
@@ -89,7 +89,7 @@ double difference(const Image& one, const Image& other)
     return static_cast<double>(different) / static_cast<double>(one.bytes.size());
 }
 
-class GlLayersTest : public testing::Test {
+class GlLayersTest : public ::testing::Test {
 protected:
     void SetUp() override
     {
@@ -182,4 +182,4 @@ TEST_F(GlLayersTest, DrawsLikeTheSoftwareRenderer)
 #endif
 
 } // namespace
-} // namespace proxima
+} // namespace proxima::layers_test

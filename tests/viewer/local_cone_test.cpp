@@ -10,7 +10,7 @@
 #include <gtest/gtest.h>
 #include <random>
 
-namespace proxima {
+namespace proxima::local_cone_test {
 namespace {
 
 struct Shape {
@@ -245,4 +245,4 @@ TEST(LocalCone, RefusesFeaturesWithoutACone)
 }
 
 } // namespace
-} // namespace proxima
+} // namespace proxima::local_cone_test

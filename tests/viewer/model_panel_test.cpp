@@ -4,7 +4,7 @@
 
 #include <filesystem>
 
-namespace proxima {
+namespace proxima::model_panel_test {
 namespace {
 
 /// Two faces that run along their common edge the same way, and three faces at another edge.
@@ -59,4 +59,4 @@ TEST(ModelPanel, FactsOfAPanelDisappearWithIt)
 }
 
 } // namespace
-} // namespace proxima
+} // namespace proxima::model_panel_test

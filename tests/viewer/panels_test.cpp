@@ -16,7 +16,7 @@
 #include <optional>
 #include <set>
 
-namespace proxima {
+namespace proxima::panels_test {
 namespace {
 
 /// How many edges the leaves of some classes have. Leaves of one size share them.
@@ -464,4 +464,4 @@ TEST(Panels, TouchRunsLiveWithLivePictures)
 }
 
 } // namespace
-} // namespace proxima
+} // namespace proxima::panels_test

@@ -10,7 +10,7 @@
 #include <random>
 #include <set>
 
-namespace proxima {
+namespace proxima::proximity_figures_test {
 namespace {
 
 TEST(ProximityFigures, ListedCellsAreThoseThatMeetTheRegion)
@@ -101,4 +101,4 @@ TEST(ProximityFigures, ListsGetShorterWithDepth)
 }
 
 } // namespace
-} // namespace proxima
+} // namespace proxima::proximity_figures_test

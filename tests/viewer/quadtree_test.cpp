@@ -8,7 +8,7 @@
 #include <gtest/gtest.h>
 #include <random>
 
-namespace proxima {
+namespace proxima::quadtree_test {
 namespace {
 
 /// Whether a segment and a closed square have a point in common, by cutting the segment to the
@@ -105,4 +105,4 @@ TEST(Quadtree, LeavesOfTheProximityQuadtreeListTheClosestFeatures)
 }
 
 } // namespace
-} // namespace proxima
+} // namespace proxima::quadtree_test

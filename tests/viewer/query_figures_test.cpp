@@ -12,7 +12,7 @@
 #include <gtest/gtest.h>
 #include <set>
 
-namespace proxima {
+namespace proxima::query_figures_test {
 namespace {
 
 /// Leaves in which a ray has a stretch of some length, by cutting it to each leaf's slabs.
@@ -178,4 +178,4 @@ TEST(QueryFigures, CulledCellsAreOutsideOfAPlane)
 }
 
 } // namespace
-} // namespace proxima
+} // namespace proxima::query_figures_test

@@ -9,7 +9,7 @@
 #include <cmath>
 #include <gtest/gtest.h>
 
-namespace proxima {
+namespace proxima::region_shape_test {
 namespace {
 
 constexpr std::array kinds = {FeatureKind::vertex, FeatureKind::edge, FeatureKind::face};
@@ -212,4 +212,4 @@ TEST(RegionShape, OfVerticesInFlatPartsIsALine)
 }
 
 } // namespace
-} // namespace proxima
+} // namespace proxima::region_shape_test

@@ -7,7 +7,7 @@
 #include <gtest/gtest.h>
 #include <numbers>
 
-namespace proxima {
+namespace proxima::renderer_test {
 namespace {
 
 using Pixel = std::array<std::uint8_t, 3>;
@@ -215,4 +215,4 @@ TEST(SceneShapes, AreClosedSurfacesTurnedOutward)
 }
 
 } // namespace
-} // namespace proxima
+} // namespace proxima::renderer_test

@@ -11,7 +11,7 @@
 #include <optional>
 #include <thread>
 
-namespace proxima {
+namespace proxima::touch_devices_test {
 namespace {
 
 /// A live viewer of a sphere at the touch panel.
@@ -216,4 +216,4 @@ TEST(TouchDevices, AreRefusedForStillPictures)
 }
 
 } // namespace
-} // namespace proxima
+} // namespace proxima::touch_devices_test

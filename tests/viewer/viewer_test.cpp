@@ -1,7 +1,7 @@
 // The viewer without a window: models, the mouse, work in the background, settings by name.
 #include "viewer/shown_viewer.h"
 
-namespace proxima {
+namespace proxima::viewer_test {
 namespace {
 
 TEST(Viewer, ShowsSeveralModels)
@@ -160,7 +160,7 @@ TEST(Viewer, HandlesFollowTheMouseInTheirPlane)
 
 TEST(Viewer, CancelsWorkAndStartsAgain)
 {
-    Shown shown({"icosphere:6"}, "model");
+    Shown shown({"icosphere:5"}, "model");
     Viewer& viewer = shown.viewer;
     ASSERT_TRUE(viewer.choose_panel("closest"));
     viewer.update(0.0);
@@ -217,4 +217,4 @@ TEST(NamedSettings, AreAppliedInAnyOrder)
 }
 
 } // namespace
-} // namespace proxima
+} // namespace proxima::viewer_test

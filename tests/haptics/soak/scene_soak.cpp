@@ -4,6 +4,7 @@
 #include "haptics/scene/scripted_scene.h"
 #include "haptics/scene/touch_access.h"
 #include "haptics/scenes_to_touch.h"
+#include "haptics/servo_tick.h"
 #include "lab/hand_script.h"
 #include "lab/simulated_hand.h"
 #include "proxima/device.h"
@@ -26,8 +27,6 @@ namespace proxima::soak {
 namespace {
 
 using namespace testing;
-
-constexpr double tick_seconds = 1e-3;
 
 struct SoakObject {
     TriangleMesh mesh;

@@ -17,6 +17,7 @@
 // Exit status 1 if anything passed, was over or wrong.
 
 #include "haptics/force/surface_renderer.h"
+#include "haptics/servo_tick.h"
 #include "haptics/soak/every_triangle.h"
 #include "haptics/soak/hand_soak.h"
 #include "haptics/soak/scene_soak.h"
@@ -43,7 +44,7 @@
 namespace proxima::soak {
 namespace {
 
-constexpr double tick_seconds = 1e-3;
+using testing::tick_seconds;
 
 /// Of larger meshes, all triangles are asked in the first ticks of a row alone.
 constexpr std::size_t small_mesh = 5000;

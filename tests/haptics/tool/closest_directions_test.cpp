@@ -11,7 +11,7 @@
 #include <random>
 #include <string>
 
-namespace proxima::testing {
+namespace proxima::testing::closest_directions_test {
 namespace {
 
 /// Pairs of all shapes and sizes: slivers, needles, parallel sides, triangles without an area.
@@ -93,4 +93,4 @@ TEST(ClosestDirections, AreTheSameOnEveryInstructionSet)
 }
 
 } // namespace
-} // namespace proxima::testing
+} // namespace proxima::testing::closest_directions_test

@@ -9,7 +9,7 @@
 #include <random>
 #include <vector>
 
-namespace proxima::testing {
+namespace proxima::testing::friction_constraint_test {
 namespace {
 
 constexpr double tolerance = 1e-6;
@@ -125,4 +125,4 @@ TEST(FrictionConstraint, ForcesBalanceAndFrictionOpposesTheMotion)
 }
 
 } // namespace
-} // namespace proxima::testing
+} // namespace proxima::testing::friction_constraint_test

@@ -4,7 +4,7 @@
 #include <random>
 #include <vector>
 
-namespace proxima::testing {
+namespace proxima::testing::least_constraint_test {
 namespace {
 
 /// Against the conditions that only the nearest motion satisfies (Karush, Kuhn and Tucker).
@@ -58,4 +58,4 @@ TEST(LeastConstraint, ConstraintsThatContradictEachOtherAreNotSolved)
 }
 
 } // namespace
-} // namespace proxima::testing
+} // namespace proxima::testing::least_constraint_test

@@ -14,7 +14,7 @@
 #include <string>
 #include <vector>
 
-namespace proxima::testing {
+namespace proxima::testing::tool_approaches_test {
 namespace {
 
 constexpr double clearance = 1e-5;
@@ -207,4 +207,4 @@ TEST(ToolApproachesToScans, PassNothing)
 INSTANTIATE_TEST_SUITE_P(Objects, ToolApproaches, ::testing::Range(std::size_t{0}, std::size_t{8}));
 
 } // namespace
-} // namespace proxima::testing
+} // namespace proxima::testing::tool_approaches_test

@@ -1,6 +1,7 @@
 // A tool that is led through poses, tick by tick, for tests.
 #pragma once
 
+#include "haptics/servo_tick.h"
 #include "octree/small_meshes.h"
 #include "proxima/intersect_meshes.h"
 #include "proxima/mesh_index.h"
@@ -12,8 +13,6 @@
 #include <vector>
 
 namespace proxima::testing {
-
-inline constexpr double tick_seconds = 1e-3;
 
 /// A device whose limits no test reaches.
 inline DeviceLimits strong_device()

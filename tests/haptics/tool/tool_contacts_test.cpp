@@ -12,7 +12,7 @@
 #include <string>
 #include <vector>
 
-namespace proxima::testing {
+namespace proxima::testing::tool_contacts_test {
 namespace {
 
 /// A mesh in a pose, and all that find_contacts needs of it.
@@ -112,4 +112,4 @@ TEST(ToolContacts, OfEdgesAreWhereTheDistanceIsLeast)
 }
 
 } // namespace
-} // namespace proxima::testing
+} // namespace proxima::testing::tool_contacts_test

@@ -12,8 +12,10 @@
 #include <random>
 #include <string>
 
-namespace proxima::testing {
+namespace proxima::testing::tool_friction_test {
 namespace {
+
+using namespace tool_on_table;
 
 ToolBench box_on_table(double fixed, double sliding)
 {
@@ -224,4 +226,4 @@ TEST(ToolFriction, ClosedPathsTakeEnergy)
 }
 
 } // namespace
-} // namespace proxima::testing
+} // namespace proxima::testing::tool_friction_test

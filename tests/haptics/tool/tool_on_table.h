@@ -3,7 +3,7 @@
 
 #include "haptics/tool/tool_bench.h"
 
-namespace proxima::testing {
+namespace proxima::testing::tool_on_table {
 
 inline constexpr double clearance = 1e-5;
 inline constexpr double stiffness = 500; // N/m
@@ -17,4 +17,4 @@ inline TriangleMesh table()
     return box_mesh({0.1, 0.1, 0.05}, {0, 0, -0.05}); // its top is z = 0
 }
 
-} // namespace proxima::testing
+} // namespace proxima::testing::tool_on_table

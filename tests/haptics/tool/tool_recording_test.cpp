@@ -17,7 +17,7 @@
 #include <span>
 #include <vector>
 
-namespace proxima::testing {
+namespace proxima::testing::tool_recording_test {
 namespace {
 
 class ToolRecordings : public FolderTest {
@@ -183,4 +183,4 @@ TEST_F(ToolRecordings, ForgedNumbersAreNamed)
 }
 
 } // namespace
-} // namespace proxima::testing
+} // namespace proxima::testing::tool_recording_test

@@ -13,7 +13,7 @@
 #include <random>
 #include <string>
 
-namespace proxima::testing {
+namespace proxima::testing::tool_renderer_test {
 namespace {
 
 constexpr double half = 0.01;
@@ -297,4 +297,4 @@ TEST(ToolRenderer, WrongOptionsAreNamed)
 }
 
 } // namespace
-} // namespace proxima::testing
+} // namespace proxima::testing::tool_renderer_test

@@ -19,8 +19,10 @@
 #include <string>
 #include <vector>
 
-namespace proxima::testing {
+namespace proxima::testing::tool_scene_test {
 namespace {
+
+using namespace tool_on_table;
 
 /// A tool in a scene of objects that the test moves.
 class SceneBench {
@@ -326,4 +328,4 @@ TEST(ToolAmongMovingObjects, PassesNothing)
 }
 
 } // namespace
-} // namespace proxima::testing
+} // namespace proxima::testing::tool_scene_test

@@ -8,8 +8,10 @@
 #include <numbers>
 #include <vector>
 
-namespace proxima::testing {
+namespace proxima::testing::tool_statics_test {
 namespace {
+
+using namespace tool_on_table;
 
 constexpr double torque_error = torsional * settled / half;
 
@@ -246,4 +248,4 @@ TEST_F(ToolPegInHole, ItCannotLeaveThroughTheWall)
 }
 
 } // namespace
-} // namespace proxima::testing
+} // namespace proxima::testing::tool_statics_test

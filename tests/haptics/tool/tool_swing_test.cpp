@@ -10,7 +10,7 @@
 #include <gtest/gtest.h>
 #include <string>
 
-namespace proxima::testing {
+namespace proxima::testing::tool_swing_test {
 namespace {
 
 /// m: of displacements, and of turns at the lever, where it is 1.8 degrees.
@@ -211,4 +211,4 @@ TEST(ToolSwings, StifferTurningIsHeldToAFewDegrees)
 }
 
 } // namespace
-} // namespace proxima::testing
+} // namespace proxima::testing::tool_swing_test

@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-namespace proxima::testing {
+namespace proxima::testing::triangle_separation_test {
 namespace {
 
 constexpr int samples = 200;
@@ -152,4 +152,4 @@ TEST(TriangleSeparation, ArcsBetweenTheEndsCount)
 }
 
 } // namespace
-} // namespace proxima::testing
+} // namespace proxima::testing::triangle_separation_test

@@ -27,7 +27,7 @@
 #include <new>
 #include <random>
 
-namespace proxima {
+namespace proxima::index_file_test {
 namespace {
 
 using testing::NamedMesh;
@@ -364,4 +364,4 @@ TEST_F(IndexFile, StopsOnRequest)
 }
 
 } // namespace
-} // namespace proxima
+} // namespace proxima::index_file_test

@@ -18,7 +18,7 @@
 #include <limits>
 #include <random>
 
-namespace proxima {
+namespace proxima::build_lists_test {
 namespace {
 
 using testing::NamedMesh;
@@ -275,4 +275,4 @@ TEST(Lists, StopOnRequest)
 }
 
 } // namespace
-} // namespace proxima
+} // namespace proxima::build_lists_test

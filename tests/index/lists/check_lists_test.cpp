@@ -4,7 +4,7 @@
 
 #include <cstring>
 
-namespace proxima {
+namespace proxima::check_lists_test {
 namespace {
 
 using testing::EditableIndex;
@@ -148,4 +148,4 @@ TEST_F(CheckLists, NamesWrongStatisticsOfLists)
 }
 
 } // namespace
-} // namespace proxima
+} // namespace proxima::check_lists_test

@@ -15,7 +15,7 @@
 #include <bit>
 #include <gtest/gtest.h>
 
-namespace proxima {
+namespace proxima::export_proximity_test {
 namespace {
 
 /// The leaf of the point in the middle of a deepest cell, found as a query finds it.
@@ -173,4 +173,4 @@ TEST_F(ExportProximity, ReportsErrors)
 }
 
 } // namespace
-} // namespace proxima
+} // namespace proxima::export_proximity_test

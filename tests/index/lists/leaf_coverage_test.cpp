@@ -16,7 +16,7 @@
 #include <gtest/gtest.h>
 #include <random>
 
-namespace proxima {
+namespace proxima::leaf_coverage_test {
 namespace {
 
 using namespace testing;
@@ -179,4 +179,4 @@ TEST(LeafCoverage, EveryLeafListsTheClosestFeatureOfItsPoints)
 }
 
 } // namespace
-} // namespace proxima
+} // namespace proxima::leaf_coverage_test

@@ -16,7 +16,7 @@
 #include <cmath>
 #include <random>
 
-namespace proxima {
+namespace proxima::local_region_cgal_test {
 namespace {
 
 using namespace testing;
@@ -256,4 +256,4 @@ TEST(LocalRegions, NeverMissACellThatTheyMeet)
 }
 
 } // namespace
-} // namespace proxima
+} // namespace proxima::local_region_cgal_test

@@ -13,7 +13,7 @@
 #include <gtest/gtest.h>
 #include <vector>
 
-namespace proxima {
+namespace proxima::build_signs_test {
 namespace {
 
 using namespace testing;
@@ -153,4 +153,4 @@ TEST(WithSigns, ReportErrors)
 }
 
 } // namespace
-} // namespace proxima
+} // namespace proxima::build_signs_test

@@ -1,7 +1,7 @@
 // Every kind of damage to an index's signs is found and named.
 #include "index/damaged_index.h"
 
-namespace proxima {
+namespace proxima::check_signs_test {
 namespace {
 
 using testing::EditableIndex;
@@ -94,4 +94,4 @@ TEST_F(CheckSigns, NamesClustersThatFormNoTree)
 }
 
 } // namespace
-} // namespace proxima
+} // namespace proxima::check_signs_test

@@ -10,7 +10,7 @@
 #include <gtest/gtest.h>
 #include <vector>
 
-namespace proxima {
+namespace proxima::self_contacts_test {
 namespace {
 
 using namespace testing;
@@ -79,4 +79,4 @@ TEST(SelfContacts, OfNeighboursAreFoldsAndCrossings)
 }
 
 } // namespace
-} // namespace proxima
+} // namespace proxima::self_contacts_test

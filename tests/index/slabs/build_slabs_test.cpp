@@ -11,7 +11,7 @@
 #include <cstring>
 #include <vector>
 
-namespace proxima {
+namespace proxima::build_slabs_test {
 namespace {
 
 using namespace testing;
@@ -121,4 +121,4 @@ TEST(Slabs, AreTheSameForAnyNumberOfThreadsAndStopOnRequest)
 }
 
 } // namespace
-} // namespace proxima
+} // namespace proxima::build_slabs_test

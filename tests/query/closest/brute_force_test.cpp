@@ -7,7 +7,7 @@
 #include <array>
 #include <gtest/gtest.h>
 
-namespace proxima {
+namespace proxima::brute_force_test {
 namespace {
 
 using namespace testing;
@@ -250,4 +250,4 @@ TEST(FeatureDistance, OfATriangleIsTheLeastOfItsFeatures)
 }
 
 } // namespace
-} // namespace proxima
+} // namespace proxima::brute_force_test

@@ -11,7 +11,7 @@
 #include <gtest/gtest.h>
 #include <limits>
 
-namespace proxima {
+namespace proxima::closest_in_index_test {
 namespace {
 
 using namespace testing;
@@ -410,4 +410,4 @@ TEST(ClosestInIndex, BatchesReportErrors)
 }
 
 } // namespace
-} // namespace proxima
+} // namespace proxima::closest_in_index_test

@@ -11,7 +11,7 @@
 #include <functional>
 #include <gtest/gtest.h>
 
-namespace proxima {
+namespace proxima::index_signs_test {
 namespace {
 
 using namespace testing;
@@ -100,4 +100,4 @@ TEST(ColumnWinding, AgreesWithExactWindingNumbers)
 }
 
 } // namespace
-} // namespace proxima
+} // namespace proxima::index_signs_test

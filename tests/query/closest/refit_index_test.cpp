@@ -21,7 +21,7 @@
 #include <random>
 #include <vector>
 
-namespace proxima::testing {
+namespace proxima::testing::refit_index_test {
 namespace {
 
 /// The mesh with some vertices elsewhere.
@@ -214,4 +214,4 @@ TEST(RefitIndex, StopsAtEveryStage)
 }
 
 } // namespace
-} // namespace proxima::testing
+} // namespace proxima::testing::refit_index_test

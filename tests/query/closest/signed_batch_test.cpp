@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-namespace proxima {
+namespace proxima::signed_batch_test {
 namespace {
 
 using namespace proxima::testing;
@@ -87,4 +87,4 @@ TEST(SignedDistances, ReportErrors)
 }
 
 } // namespace
-} // namespace proxima
+} // namespace proxima::signed_batch_test

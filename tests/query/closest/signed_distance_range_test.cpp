@@ -11,7 +11,7 @@
 #include <random>
 #include <vector>
 
-namespace proxima {
+namespace proxima::signed_distance_range_test {
 namespace {
 
 using namespace testing;
@@ -182,4 +182,4 @@ TEST(SignedDistance, IsNothingForPointsThatAreNotFinite)
 }
 
 } // namespace
-} // namespace proxima
+} // namespace proxima::signed_distance_range_test

@@ -15,7 +15,7 @@
 #include <numbers>
 #include <thread>
 
-namespace proxima {
+namespace proxima::signed_distance_test {
 namespace {
 
 using namespace testing;
@@ -451,4 +451,4 @@ TEST(SignedDistance, IsNothingWithoutSigns)
 }
 
 } // namespace
-} // namespace proxima
+} // namespace proxima::signed_distance_test

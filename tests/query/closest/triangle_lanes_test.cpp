@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-namespace proxima {
+namespace proxima::triangle_lanes_test {
 namespace {
 
 using namespace testing;
@@ -51,4 +51,4 @@ TEST(TriangleLanes, AreExactUpToTheirLimit)
 }
 
 } // namespace
-} // namespace proxima
+} // namespace proxima::triangle_lanes_test

@@ -11,7 +11,7 @@
 #include <gtest/gtest.h>
 #include <random>
 
-namespace proxima {
+namespace proxima::containment_test {
 namespace {
 
 using namespace testing;
@@ -220,4 +220,4 @@ TEST(Containment, AllocatesNothingAndCanBeCancelled)
 }
 
 } // namespace
-} // namespace proxima
+} // namespace proxima::containment_test

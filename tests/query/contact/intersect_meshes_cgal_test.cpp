@@ -14,7 +14,7 @@
 
 #include <algorithm>
 
-namespace proxima {
+namespace proxima::intersect_meshes_cgal_test {
 namespace {
 
 using namespace testing;
@@ -81,4 +81,4 @@ TEST(IntersectMeshesAndCgal, FindTheSamePairs)
 }
 
 } // namespace
-} // namespace proxima
+} // namespace proxima::intersect_meshes_cgal_test

@@ -16,7 +16,7 @@
 #include <algorithm>
 #include <memory>
 
-namespace proxima {
+namespace proxima::intersect_meshes_test {
 namespace {
 
 using namespace testing;
@@ -402,4 +402,4 @@ TEST(IntersectMeshes, BatchesAnswerLikeSinglePosesForAnyNumberOfThreads)
 }
 
 } // namespace
-} // namespace proxima
+} // namespace proxima::intersect_meshes_test

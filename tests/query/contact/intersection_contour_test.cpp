@@ -12,7 +12,7 @@
 #include <gtest/gtest.h>
 #include <numbers>
 
-namespace proxima {
+namespace proxima::intersection_contour_test {
 namespace {
 
 using namespace testing;
@@ -326,4 +326,4 @@ TEST(JoinSegments, JoinsSegmentsToLines)
 }
 
 } // namespace
-} // namespace proxima
+} // namespace proxima::intersection_contour_test

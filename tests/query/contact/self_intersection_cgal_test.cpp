@@ -18,7 +18,7 @@
 #include <random>
 #include <vector>
 
-namespace proxima {
+namespace proxima::self_intersection_cgal_test {
 namespace {
 
 using namespace testing;
@@ -132,4 +132,4 @@ TEST(SelfIntersectionAndCgal, FindTheSamePairsInMeshes)
 }
 
 } // namespace
-} // namespace proxima
+} // namespace proxima::self_intersection_cgal_test

@@ -14,7 +14,7 @@
 #include <gtest/gtest.h>
 #include <random>
 
-namespace proxima {
+namespace proxima::self_intersection_test {
 namespace {
 
 using namespace testing;
@@ -193,4 +193,4 @@ TEST(SelfIntersection, StopsAtItsLimitForAnyNumberOfThreads)
 }
 
 } // namespace
-} // namespace proxima
+} // namespace proxima::self_intersection_test

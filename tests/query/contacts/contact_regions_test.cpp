@@ -16,7 +16,7 @@
 #include <random>
 #include <vector>
 
-namespace proxima {
+namespace proxima::contact_regions_test {
 namespace {
 
 using namespace testing;
@@ -394,4 +394,4 @@ TEST(ContactRegions, MoveWithTheMeshes)
 }
 
 } // namespace
-} // namespace proxima
+} // namespace proxima::contact_regions_test

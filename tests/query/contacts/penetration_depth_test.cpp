@@ -11,7 +11,7 @@
 #include <utility>
 #include <vector>
 
-namespace proxima {
+namespace proxima::penetration_depth_test {
 namespace {
 
 using namespace testing;
@@ -537,4 +537,4 @@ TEST(Solid, OverlapsWhereOneIsInsideOrTheyTouch)
 }
 
 } // namespace
-} // namespace proxima
+} // namespace proxima::penetration_depth_test

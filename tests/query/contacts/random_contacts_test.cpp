@@ -16,7 +16,7 @@
 #include <numeric>
 #include <tuple>
 
-namespace proxima {
+namespace proxima::random_contacts_test {
 namespace {
 
 using namespace testing;
@@ -314,4 +314,4 @@ TEST(RandomContacts, TimesOfNastyMeshesAreNeverPastAContact)
 }
 
 } // namespace
-} // namespace proxima
+} // namespace proxima::random_contacts_test

@@ -7,7 +7,7 @@
 #include <numbers>
 #include <random>
 
-namespace proxima {
+namespace proxima::rigid_motion_test {
 namespace {
 
 using namespace testing;
@@ -61,4 +61,4 @@ TEST(RigidMotion, KeepsTheSmallestSteps)
 }
 
 } // namespace
-} // namespace proxima
+} // namespace proxima::rigid_motion_test

@@ -15,7 +15,7 @@
 #include <numbers>
 #include <utility>
 
-namespace proxima {
+namespace proxima::time_of_contact_test {
 namespace {
 
 using namespace testing;
@@ -536,4 +536,4 @@ TEST(TimeOfContact, NeverAllocates)
 }
 
 } // namespace
-} // namespace proxima
+} // namespace proxima::time_of_contact_test

@@ -11,7 +11,7 @@
 
 #include <array>
 
-namespace proxima {
+namespace proxima::cull_cells_test {
 namespace {
 
 using namespace testing;
@@ -98,4 +98,4 @@ TEST(CullCells, DoesNotAllocateAndStopsOnRequest)
 }
 
 } // namespace
-} // namespace proxima
+} // namespace proxima::cull_cells_test

@@ -12,7 +12,7 @@
 #include <algorithm>
 #include <array>
 
-namespace proxima {
+namespace proxima::cull_volume_test {
 namespace {
 
 using namespace testing;
@@ -211,4 +211,4 @@ TEST(CullVolume, StopsWhereTheVisitorSaysSo)
 }
 
 } // namespace
-} // namespace proxima
+} // namespace proxima::cull_volume_test

@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-namespace proxima {
+namespace proxima::far_places_test {
 namespace {
 
 using namespace testing;
@@ -213,4 +213,4 @@ TEST(TwoSidedMean, IsHonestWhereAreasAreNot)
 }
 
 } // namespace
-} // namespace proxima
+} // namespace proxima::far_places_test

@@ -20,7 +20,7 @@
 #include <string>
 #include <vector>
 
-namespace proxima {
+namespace proxima::mesh_deviation_cgal_test {
 namespace {
 
 using namespace testing;
@@ -195,4 +195,4 @@ TEST(MeshDeviationAndCgal, MeansHoldThoseOfExactDistances)
 }
 
 } // namespace
-} // namespace proxima
+} // namespace proxima::mesh_deviation_cgal_test

@@ -14,7 +14,7 @@
 #include <string>
 #include <vector>
 
-namespace proxima {
+namespace proxima::mesh_deviation_test {
 namespace {
 
 using namespace testing;
@@ -508,4 +508,4 @@ TEST(MeshDeviation, CanBeCancelledAndRefusesBadArguments)
 }
 
 } // namespace
-} // namespace proxima
+} // namespace proxima::mesh_deviation_test

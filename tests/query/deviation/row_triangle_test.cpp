@@ -10,7 +10,7 @@
 #include <random>
 #include <string>
 
-namespace proxima {
+namespace proxima::row_triangle_test {
 namespace {
 
 class RandomTriangles {
@@ -144,4 +144,4 @@ TEST(MeanBounds, AreThoseOfLinearBounds)
 }
 
 } // namespace
-} // namespace proxima
+} // namespace proxima::row_triangle_test

@@ -16,7 +16,7 @@
 #include <cstring>
 #include <tuple>
 
-namespace proxima {
+namespace proxima::mesh_distance_test {
 namespace {
 
 using namespace testing;
@@ -437,4 +437,4 @@ TEST(MeshDistance, FindsNothingForAnEmptyMesh)
 }
 
 } // namespace
-} // namespace proxima
+} // namespace proxima::mesh_distance_test

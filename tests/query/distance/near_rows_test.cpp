@@ -12,7 +12,7 @@
 #include <utility>
 #include <vector>
 
-namespace proxima::testing {
+namespace proxima::testing::near_rows_test {
 namespace {
 
 /// Against all pairs: every near one is there once, and none that is farther but for rounding.
@@ -60,4 +60,4 @@ TEST(NearRows, AreAllPairsWithinTheDistance)
 }
 
 } // namespace
-} // namespace proxima::testing
+} // namespace proxima::testing::near_rows_test

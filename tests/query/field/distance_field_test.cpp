@@ -14,7 +14,7 @@
 #include <string>
 #include <vector>
 
-namespace proxima {
+namespace proxima::distance_field_test {
 namespace {
 
 using namespace testing;
@@ -281,4 +281,4 @@ TEST(DistanceField, GridsReachRoundABox)
 }
 
 } // namespace
-} // namespace proxima
+} // namespace proxima::distance_field_test

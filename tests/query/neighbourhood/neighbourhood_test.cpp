@@ -11,7 +11,7 @@
 #include <random>
 #include <set>
 
-namespace proxima {
+namespace proxima::neighbourhood_test {
 namespace {
 
 using namespace testing;
@@ -479,4 +479,4 @@ TEST(Neighbourhoods, ReportABufferThatIsTooSmallAndDoNotAllocate)
 }
 
 } // namespace
-} // namespace proxima
+} // namespace proxima::neighbourhood_test

@@ -17,7 +17,7 @@
 #include <random>
 #include <set>
 
-namespace proxima {
+namespace proxima::points_and_lines_test {
 namespace {
 
 using namespace testing;
@@ -197,4 +197,4 @@ TEST_P(PointClouds, HaveNoInside)
 INSTANTIATE_TEST_SUITE_P(Seeds, PointClouds, ::testing::Range(0, 20));
 
 } // namespace
-} // namespace proxima
+} // namespace proxima::points_and_lines_test

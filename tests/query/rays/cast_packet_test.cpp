@@ -11,7 +11,7 @@
 
 #include <gtest/gtest.h>
 
-namespace proxima {
+namespace proxima::cast_packet_test {
 namespace {
 
 using namespace testing;
@@ -196,4 +196,4 @@ TEST(CastPacket, AnswersWherePacketsAreGivenUp)
 }
 
 } // namespace
-} // namespace proxima
+} // namespace proxima::cast_packet_test

@@ -10,7 +10,7 @@
 #include <gtest/gtest.h>
 #include <map>
 
-namespace proxima {
+namespace proxima::cast_ray_cgal_test {
 namespace {
 
 using namespace testing;
@@ -122,4 +122,4 @@ TEST(CastRayAndCgal, MeetTheSameTriangles)
 }
 
 } // namespace
-} // namespace proxima
+} // namespace proxima::cast_ray_cgal_test

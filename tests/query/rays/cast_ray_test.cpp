@@ -15,7 +15,7 @@
 
 #include <gtest/gtest.h>
 
-namespace proxima {
+namespace proxima::cast_ray_test {
 namespace {
 
 using namespace testing;
@@ -371,4 +371,4 @@ TEST(CastRay, ReportsWhichRayOfABatchIsInvalid)
 }
 
 } // namespace
-} // namespace proxima
+} // namespace proxima::cast_ray_test

@@ -10,7 +10,7 @@
 
 #include <optional>
 
-namespace proxima {
+namespace proxima::cells_along_ray_test {
 namespace {
 
 using namespace testing;
@@ -272,4 +272,4 @@ TEST(Penetration, IsOneThroughTheCentreAndZeroAlongTheBorder)
 }
 
 } // namespace
-} // namespace proxima
+} // namespace proxima::cells_along_ray_test

@@ -8,7 +8,7 @@
 #include <gtest/gtest.h>
 #include <limits>
 
-namespace proxima {
+namespace proxima::scene_limits_test {
 namespace {
 
 using namespace testing;
@@ -252,4 +252,4 @@ TEST(Scene, HasAsManyBytesAsItsInstancesNeed)
 }
 
 } // namespace
-} // namespace proxima
+} // namespace proxima::scene_limits_test

@@ -11,7 +11,7 @@
 #include <gtest/gtest.h>
 #include <memory>
 
-namespace proxima {
+namespace proxima::scene_test {
 namespace {
 
 using namespace testing;
@@ -426,4 +426,4 @@ TEST(Scene, AnswersManyRaysLikeSingleOnes)
 }
 
 } // namespace
-} // namespace proxima
+} // namespace proxima::scene_test

@@ -6,7 +6,7 @@
 #include <cstring>
 #include <gtest/gtest.h>
 
-namespace proxima {
+namespace proxima::scene_tree_test {
 namespace {
 
 using namespace testing;
@@ -117,4 +117,4 @@ TEST(SceneTree, IsThatOfANewSceneWhereNothingMoved)
 }
 
 } // namespace
-} // namespace proxima
+} // namespace proxima::scene_tree_test

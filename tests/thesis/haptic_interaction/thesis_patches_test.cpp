@@ -11,7 +11,7 @@
 #include <algorithm>
 #include <random>
 
-namespace proxima {
+namespace proxima::thesis_patches_test {
 namespace {
 
 std::vector<std::uint32_t> ids_of(const ContactPatch& patch)
@@ -87,4 +87,4 @@ TEST_F(ThesisPatchesTest, AreEmptyBeforeAnyFeatureIsFound)
 }
 
 } // namespace
-} // namespace proxima
+} // namespace proxima::thesis_patches_test

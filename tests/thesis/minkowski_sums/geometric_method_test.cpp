@@ -11,7 +11,7 @@
 #include <set>
 #include <vector>
 
-namespace proxima {
+namespace proxima::geometric_method_test {
 namespace {
 
 /// A facet's plane in lowest terms: its whole normal divided by the greatest common divisor.
@@ -225,4 +225,4 @@ TEST(GeometricMethod, AddsAnOctahedronAndACube)
 }
 
 } // namespace
-} // namespace proxima
+} // namespace proxima::geometric_method_test

@@ -6,7 +6,7 @@
 #include <map>
 #include <random>
 
-namespace proxima {
+namespace proxima::incremental_hull_test {
 namespace {
 
 using Points = std::vector<Vec3>;
@@ -90,4 +90,4 @@ TEST(IncrementalHull, RefusesFlatSets)
 }
 
 } // namespace
-} // namespace proxima
+} // namespace proxima::incremental_hull_test

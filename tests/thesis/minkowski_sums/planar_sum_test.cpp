@@ -10,7 +10,7 @@
 #include <random>
 #include <vector>
 
-namespace proxima {
+namespace proxima::planar_sum_test {
 namespace {
 
 using namespace testing;
@@ -234,4 +234,4 @@ TEST(PlanarSum, HasTheSameEdgesAtAnyScale)
 }
 
 } // namespace
-} // namespace proxima
+} // namespace proxima::planar_sum_test

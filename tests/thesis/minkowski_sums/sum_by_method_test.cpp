@@ -9,7 +9,7 @@
 
 #include <cmath>
 
-namespace proxima {
+namespace proxima::sum_by_method_test {
 namespace {
 
 using test::described;
@@ -94,4 +94,4 @@ TEST(SumByMethod, StopsOnRequest)
 }
 
 } // namespace
-} // namespace proxima
+} // namespace proxima::sum_by_method_test

@@ -8,7 +8,7 @@
 #include <random>
 #include <vector>
 
-namespace proxima {
+namespace proxima::unbounded_planar_sum_test {
 namespace {
 
 using namespace testing;
@@ -189,4 +189,4 @@ TEST(UnboundedPlanarSum, FlagsTheEdgesThatObstructARegion)
 }
 
 } // namespace
-} // namespace proxima
+} // namespace proxima::unbounded_planar_sum_test

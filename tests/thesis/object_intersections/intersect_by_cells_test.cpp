@@ -8,7 +8,7 @@
 
 #include <gtest/gtest.h>
 
-namespace proxima {
+namespace proxima::intersect_by_cells_test {
 namespace {
 
 using namespace testing;
@@ -57,4 +57,4 @@ TEST(IntersectByCells, FindsThePairsOfTheMeshIndex)
 }
 
 } // namespace
-} // namespace proxima
+} // namespace proxima::intersect_by_cells_test

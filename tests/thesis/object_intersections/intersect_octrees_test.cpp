@@ -12,7 +12,7 @@
 #include <random>
 #include <set>
 
-namespace proxima {
+namespace proxima::intersect_octrees_test {
 namespace {
 
 using namespace testing;
@@ -265,4 +265,4 @@ TEST(IntersectOctrees, ListsAllTrianglesThatMeet)
 }
 
 } // namespace
-} // namespace proxima
+} // namespace proxima::intersect_octrees_test

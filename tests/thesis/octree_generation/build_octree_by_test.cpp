@@ -15,7 +15,7 @@
 #include <iterator>
 #include <thread>
 
-namespace proxima {
+namespace proxima::build_octree_by_test {
 namespace {
 
 using testing::nasty_mesh;
@@ -162,4 +162,4 @@ TEST(BuildOctreeBy, StopsWhenCancelled)
 }
 
 } // namespace
-} // namespace proxima
+} // namespace proxima::build_octree_by_test

@@ -7,7 +7,7 @@
 #include <algorithm>
 #include <iostream>
 
-namespace proxima {
+namespace proxima::operation_table_test {
 namespace {
 
 const OperationCountRow& row(const std::vector<OperationCountRow>& rows, const std::string& method)
@@ -80,4 +80,4 @@ TEST(OperationTable, IsTheSameEveryTime)
 }
 
 } // namespace
-} // namespace proxima
+} // namespace proxima::operation_table_test

@@ -6,7 +6,7 @@
 
 #include <gtest/gtest.h>
 
-namespace proxima {
+namespace proxima::overlap_as_printed_test {
 namespace {
 
 constexpr PrintedRules put_right{.first_vertex = FirstVertex::in_both_lists,
@@ -56,4 +56,4 @@ TEST(OverlapAsPrinted, MakesTheSphereOfTable21ListTrianglesThatDoNotTouch)
 }
 
 } // namespace
-} // namespace proxima
+} // namespace proxima::overlap_as_printed_test

@@ -13,7 +13,7 @@
 #include <type_traits>
 #include <vector>
 
-namespace proxima {
+namespace proxima::overlap_certainty_test {
 namespace {
 
 /// How a builder might come by a cell's centre and by the half size of a depth.
@@ -204,4 +204,4 @@ TYPED_TEST(OverlapCertainty, RandomTrianglesAreNearlyAlwaysCertain)
 }
 
 } // namespace
-} // namespace proxima
+} // namespace proxima::overlap_certainty_test

@@ -8,7 +8,7 @@
 #include <iostream>
 #include <type_traits>
 
-namespace proxima {
+namespace proxima::overlap_tests_test {
 namespace {
 
 Vec3 to_vec3(const oracle::Point& point)
@@ -197,4 +197,4 @@ TYPED_TEST(OverlapTests, AreNeverCertainOutsideTheirRange)
 }
 
 } // namespace
-} // namespace proxima
+} // namespace proxima::overlap_tests_test

@@ -7,7 +7,7 @@
 
 #include <cmath>
 
-namespace proxima {
+namespace proxima::sum_partition_test {
 namespace {
 
 using test::Points;
@@ -179,4 +179,4 @@ TEST(SumPartition, RefusesUnboundedSums)
 }
 
 } // namespace
-} // namespace proxima
+} // namespace proxima::sum_partition_test

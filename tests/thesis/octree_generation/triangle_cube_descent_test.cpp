@@ -9,7 +9,7 @@
 #include <bit>
 #include <random>
 
-namespace proxima {
+namespace proxima::triangle_cube_descent_test {
 namespace {
 
 using Integer = std::int64_t;
@@ -162,11 +162,11 @@ TEST(TriangleCubeDescent, EqualsTheOraclesAtEveryDepth)
 {
     constexpr std::uint64_t seed = 111;
     for (const Integer margin : {0, 1}) {
-        SCOPED_TRACE(testing::Message() << "seed " << seed << " margin " << margin);
+        SCOPED_TRACE(::testing::Message() << "seed " << seed << " margin " << margin);
         TriangleGenerator generate(seed);
         PathChecks checks;
         for (int path = 0; path < 5'000; ++path) {
-            SCOPED_TRACE(testing::Message() << "path " << path);
+            SCOPED_TRACE(::testing::Message() << "path " << path);
             check_path(generate(), margin, generate, checks);
             if (HasFatalFailure()) return;
         }
@@ -227,7 +227,7 @@ TEST(TriangleCubeDescent, DoesNotOverflowBetweenCornersOfTheRoot)
                                            oracle::corner(root, corners >> 3U & 7U),
                                            oracle::corner(root, corners >> 6U)}};
         for (const Integer margin : {0, 1}) {
-            SCOPED_TRACE(testing::Message() << "seed " << seed << " corners " << corners);
+            SCOPED_TRACE(::testing::Message() << "seed " << seed << " corners " << corners);
             check_path(triangle, margin, generate, checks);
             if (HasFatalFailure()) return;
         }
@@ -331,4 +331,4 @@ TEST(TriangleCubeDescent, TakesTheStatedNumberOfOperations)
 }
 
 } // namespace
-} // namespace proxima
+} // namespace proxima::triangle_cube_descent_test

@@ -13,7 +13,7 @@
 #include <set>
 #include <utility>
 
-namespace proxima {
+namespace proxima::triangle_cube_sum_test {
 namespace {
 
 using Integer = std::int64_t;
@@ -93,7 +93,7 @@ std::set<HalfSpace> facets_in_closed_form(const CornerCoordinates<Integer>& vert
 TEST(TriangleCubeSum, HasExactlyTheFacetsOfTheHull)
 {
     constexpr std::uint64_t seed = 101;
-    SCOPED_TRACE(testing::Message() << "seed " << seed);
+    SCOPED_TRACE(::testing::Message() << "seed " << seed);
     std::size_t most = 0;
     for (const Integer size : {3, 12, 1000}) {
         PairGenerator generate(seed, size);
@@ -227,4 +227,4 @@ TEST(TriangleCubeSum, TakesTheStatedNumberOfOperations)
 }
 
 } // namespace
-} // namespace proxima
+} // namespace proxima::triangle_cube_sum_test

@@ -22,7 +22,7 @@
 #include <numeric>
 #include <random>
 
-namespace proxima {
+namespace proxima::convex_lists_test {
 namespace {
 
 /// A cell with the places of its local features.
@@ -314,4 +314,4 @@ TEST(ConvexLists, ReproduceTheListLengthsOfFigure53)
 }
 
 } // namespace
-} // namespace proxima
+} // namespace proxima::convex_lists_test

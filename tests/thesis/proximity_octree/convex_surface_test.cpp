@@ -7,7 +7,7 @@
 #include <gtest/gtest.h>
 #include <limits>
 
-namespace proxima {
+namespace proxima::convex_surface_test {
 namespace {
 
 Result<ConvexSurface> checked(const TriangleMesh& mesh, const ConvexSurfaceOptions& options = {})
@@ -134,4 +134,4 @@ TEST(ConvexSurface, RefusesDentsLargerThanItsTolerance)
 }
 
 } // namespace
-} // namespace proxima
+} // namespace proxima::convex_surface_test

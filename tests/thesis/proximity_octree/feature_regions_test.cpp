@@ -10,7 +10,7 @@
 #include <gtest/gtest.h>
 #include <limits>
 
-namespace proxima {
+namespace proxima::feature_regions_test {
 namespace {
 
 constexpr std::array kinds = {FeatureKind::vertex, FeatureKind::edge, FeatureKind::face};
@@ -199,4 +199,4 @@ TEST(FeatureRegions, RefuseFeaturesWithoutARegion)
 }
 
 } // namespace
-} // namespace proxima
+} // namespace proxima::feature_regions_test

@@ -10,7 +10,7 @@
 #include <gtest/gtest.h>
 #include <numeric>
 
-namespace proxima {
+namespace proxima::list_statistics_test {
 namespace {
 
 TEST(ListStatistics, CountLengths)
@@ -97,4 +97,4 @@ TEST(ListStatistics, AgreeWithTheCountsOfTheBuild)
 }
 
 } // namespace
-} // namespace proxima
+} // namespace proxima::list_statistics_test

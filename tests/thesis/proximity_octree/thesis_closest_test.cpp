@@ -10,7 +10,7 @@
 #include <gtest/gtest.h>
 #include <limits>
 
-namespace proxima {
+namespace proxima::thesis_closest_test {
 namespace {
 
 using oracle::Quad;
@@ -188,4 +188,4 @@ TEST(ThesisClosest, DoesNotAllocate)
 }
 
 } // namespace
-} // namespace proxima
+} // namespace proxima::thesis_closest_test

@@ -13,7 +13,7 @@
 #include <random>
 #include <unistd.h>
 
-namespace proxima {
+namespace proxima::thesis_proximity_file_test {
 namespace {
 
 Result<ThesisProximityOctree> load_bytes(const std::string& bytes,
@@ -107,4 +107,4 @@ TEST_F(ThesisProximityFile, SurvivesResealedDamage)
 }
 
 } // namespace
-} // namespace proxima
+} // namespace proxima::thesis_proximity_file_test

@@ -13,7 +13,7 @@
 #include <gtest/gtest.h>
 #include <limits>
 
-namespace proxima {
+namespace proxima::thesis_proximity_octree_test {
 namespace {
 
 using test::convex_meshes;
@@ -422,4 +422,4 @@ TEST(ThesisLabels, CanBeStoppedAtAnyReport)
 }
 
 } // namespace
-} // namespace proxima
+} // namespace proxima::thesis_proximity_octree_test

@@ -10,7 +10,7 @@
 #include <limits>
 #include <random>
 
-namespace proxima {
+namespace proxima::unbounded_sum_test {
 namespace {
 
 using test::Points;
@@ -83,4 +83,4 @@ TEST(CutRays, RefusesBadLengths)
 }
 
 } // namespace
-} // namespace proxima
+} // namespace proxima::unbounded_sum_test

@@ -6,7 +6,7 @@
 
 #include <random>
 
-namespace proxima {
+namespace proxima::voronoi_region_test {
 namespace {
 
 TEST(VoronoiRegion, OfASphereIsTheIntersectionOfTheHalfSpacesOfTheThesis)
@@ -43,4 +43,4 @@ TEST(VoronoiRegion, OfASphereIsTheIntersectionOfTheHalfSpacesOfTheThesis)
 }
 
 } // namespace
-} // namespace proxima
+} // namespace proxima::voronoi_region_test

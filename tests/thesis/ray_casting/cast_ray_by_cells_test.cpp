@@ -10,7 +10,7 @@
 
 #include <gtest/gtest.h>
 
-namespace proxima {
+namespace proxima::cast_ray_by_cells_test {
 namespace {
 
 using namespace testing;
@@ -87,4 +87,4 @@ TEST(CastRayByCells, AnswersLikeTheMeshIndexWithATightRoot)
 }
 
 } // namespace
-} // namespace proxima
+} // namespace proxima::cast_ray_by_cells_test

@@ -10,7 +10,7 @@
 
 #include <set>
 
-namespace proxima {
+namespace proxima::cull_by_cells_test {
 namespace {
 
 using namespace testing;
@@ -64,4 +64,4 @@ TEST(CullByCells, ListsTheTrianglesOfTheCellsThatMeetTheVolume)
 }
 
 } // namespace
-} // namespace proxima
+} // namespace proxima::cull_by_cells_test
