@@ -126,9 +126,23 @@ Status prepare(Body& body, const std::string& model, const IntersectOptions& opt
     return {};
 }
 
-/// `last`: the nearest points of another pose, if any.
-PoseAnswer find_in(const Body& a, const Body& b, const RigidTransform& pose,
-                   const IntersectOptions& options, const MeshDistance* last)
+/// All pairs by a, then b; where the session shall end, some of them.
+std::vector<TrianglePair> pairs_of(const MeshIndex& a, const MeshIndex& b,
+                                   const RigidTransform& pose, const Progress& progress)
+{
+    std::vector<TrianglePair> pairs;
+    visit_intersecting_pairs(a, b, pose, [&](std::span<const TrianglePair> some) {
+        pairs.insert(pairs.end(), some.begin(), some.end());
+        return progress.cancelled() ? Flow::stop : Flow::proceed;
+    });
+    std::ranges::sort(pairs);
+    return pairs;
+}
+
+/// `last`: the nearest points of another pose, if any. Error: cancelled.
+Result<PoseAnswer> find_in(const Body& a, const Body& b, const RigidTransform& pose,
+                           const IntersectOptions& options, const MeshDistance* last,
+                           Session& session)
 {
     PoseAnswer answer;
     {
@@ -139,14 +153,19 @@ PoseAnswer find_in(const Body& a, const Body& b, const RigidTransform& pose,
             answer.pairs = std::move(found.pairs);
             answer.triangle_tests = found.triangle_tests;
         } else {
-            answer.pairs = intersecting_pairs(a.index, b.index, pose);
+            answer.pairs = pairs_of(a.index, b.index, pose, session.progress());
         }
         if (answer.pairs.empty())
             answer.inside = find_containment(*a.enclosure, *b.enclosure, pose);
         answer.seconds = watch.seconds();
     }
-    if (!options.contour.empty() || !options.picture.empty())
-        answer.contour = intersection_contour(a.mesh, b.mesh, pose, answer.pairs);
+    if (Status status = session.check_running(); !status) return tl::unexpected(status.error());
+    if (!options.contour.empty() || !options.picture.empty()) {
+        auto contour =
+            intersection_contour(a.index, b.index, pose, {.execution = session.execution()});
+        if (!contour) return tl::unexpected(contour.error());
+        answer.contour = *std::move(contour);
+    }
     if (options.cells || !options.picture.empty()) {
         const Stopwatch watch;
         answer.cell_tests =
@@ -368,10 +387,14 @@ Status run_intersect(const IntersectOptions& given, Session& session)
     std::optional<MeshDistance> last;
     {
         const ProgressBar shown(session.progress(), session.bar());
-        session.progress().begin_stage("intersecting", poses.size());
         for (std::size_t i = 0; i < poses.size(); ++i) {
+            // Contours have a stage of their own.
+            session.progress().begin_stage("intersecting", poses.size());
+            session.progress().advance(i);
             if (Status status = session.check_running(); !status) return status;
-            const PoseAnswer answer = find_in(*a, *b, poses[i], options, last ? &*last : nullptr);
+            const auto found = find_in(*a, *b, poses[i], options, last ? &*last : nullptr, session);
+            if (!found) return tl::unexpected(found.error());
+            const PoseAnswer& answer = *found;
             last = answer.nearest;
             texts.add(i, answer);
             rows.push_back(json_of(answer, options));
@@ -390,7 +413,6 @@ Status run_intersect(const IntersectOptions& given, Session& session)
                     !status)
                     return status;
             }
-            session.progress().advance(1);
         }
     }
     if (Status status = texts.write(); !status) return status;

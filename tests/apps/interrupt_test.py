@@ -77,6 +77,13 @@ class Building(InterruptTest):
     def test_pairs(self):
         self.interrupt("check", "spaceship:2000000", when=after(4))
 
+    def test_contours(self):
+        # Each triangle meets all round it: 1.1 million pairs, then their contour.
+        for seconds in (1, 3):
+            with self.subTest(seconds):
+                self.interrupt("intersect", "sphere:200x200", "sphere:200x200", "--pose", "0,0,0",
+                               "--contour", self.folder / "a.obj", "--json", self.folder / "a.json", when=after(seconds))
+
     def test_a_closed_terminal(self):
         self.interrupt("octree", "spaceship:300000", "--depth", "10", "--method", "pairwise", *self.outputs(),
                        when=after(1), sent=signal.SIGHUP)

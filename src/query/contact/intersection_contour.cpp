@@ -17,6 +17,19 @@ namespace {
 
 constexpr const char* contour_stage = "finding the intersection contour";
 
+/// Calls visit(pair) for each; false, and soon, where the progress asks to stop.
+template <class Visit>
+bool for_each_pair(std::span<const TrianglePair> pairs, const Progress* progress,
+                   const Visit& visit)
+{
+    constexpr std::size_t block = 4096;
+    for (std::size_t i = 0; i < pairs.size(); ++i) {
+        if (i % block == 0 && is_cancelled(progress)) return false;
+        visit(pairs[i]);
+    }
+    return !is_cancelled(progress);
+}
+
 /// The triangles of a mesh that meet another's.
 class TrianglesOfMesh {
 public:
@@ -103,19 +116,21 @@ SurfacePart edge_part(std::uint32_t a, std::uint32_t b)
     return {FeatureKind::edge, {std::min(a, b), std::max(a, b)}};
 }
 
-/// The triangles' vertices with those at one position made one, and triangles by these.
+/// The triangles' vertices with those at one position made one, and triangles by these. Of no use where
+/// the progress asks to stop.
 template <class Triangles>
 class SharedVertices {
 public:
     template <class TriangleOf>
     SharedVertices(const Triangles& triangles, std::span<const TrianglePair> pairs,
-                   const TriangleOf& triangle_of)
+                   const TriangleOf& triangle_of, const Progress* progress)
         : triangles_(triangles)
     {
-        for (const TrianglePair& pair : pairs) {
+        const auto add_corners = [&](const TrianglePair& pair) {
             for (const std::uint32_t corner : triangles.corners(triangle_of(pair)))
                 ids_.push_back(corner);
-        }
+        };
+        if (!for_each_pair(pairs, progress, add_corners)) return;
         std::ranges::sort(ids_);
         ids_.erase(std::unique(ids_.begin(), ids_.end()), ids_.end());
         const std::vector<Vec3> positions = triangles.positions(ids_);
@@ -131,8 +146,10 @@ public:
             if (position(by_position[i]) != position(by_position[first])) first = i;
             first_[by_position[i]] = ids_[by_position[first]];
         }
-        for (const TrianglePair& pair : pairs) by_corners_.push_back(named(triangle_of(pair)));
-        std::ranges::sort(by_corners_);
+        const auto add_name = [&](const TrianglePair& pair) {
+            by_corners_.push_back(named(triangle_of(pair)));
+        };
+        if (for_each_pair(pairs, progress, add_name)) std::ranges::sort(by_corners_);
     }
 
     /// Of the triangles with the same corners the lowest.
@@ -192,28 +209,34 @@ template <class Triangles>
 class ContourMaker {
 public:
     ContourMaker(const Triangles& a, const Triangles& b, const RigidTransform& pose_b,
-                 std::span<const TrianglePair> pairs)
-        : a_(a), b_(b), pose_b_(pose_b),
-          vertices_a_(a, pairs, [](const TrianglePair& pair) { return pair.a; }),
-          vertices_b_(b, pairs, [](const TrianglePair& pair) { return pair.b; })
+                 std::span<const TrianglePair> pairs, Progress* progress)
+        : a_(a), b_(b), pose_b_(pose_b), progress_(progress),
+          vertices_a_(
+              a, pairs, [](const TrianglePair& pair) { return pair.a; }, progress),
+          vertices_b_(
+              b, pairs, [](const TrianglePair& pair) { return pair.b; }, progress)
     {
         // Triangles that lie on each other meet the same ones in the same points: once is enough.
-        for (const TrianglePair& pair : pairs)
+        const auto add_once = [&](const TrianglePair& pair) {
             pairs_.push_back({vertices_a_.first_like(pair.a), vertices_b_.first_like(pair.b)});
+        };
+        if (!for_each_pair(pairs, progress, add_once)) return;
         std::ranges::sort(pairs_);
         pairs_.erase(std::unique(pairs_.begin(), pairs_.end()), pairs_.end());
     }
 
     /// Nothing where the progress asks to stop.
-    [[nodiscard]] std::optional<IntersectionContour> contour(Progress* progress)
+    [[nodiscard]] std::optional<IntersectionContour> contour()
     {
-        StageSteps steps(progress, contour_stage, pairs_.size());
+        if (is_cancelled(progress_)) return std::nullopt;
+        StageSteps steps(progress_, contour_stage, pairs_.size());
         for (const TrianglePair& pair : pairs_) {
             add(pair);
             if (!steps.done(1)) return std::nullopt;
         }
-        if (is_cancelled(progress)) return std::nullopt;
+        if (is_cancelled(progress_)) return std::nullopt;
         number_ends();
+        if (is_cancelled(progress_)) return std::nullopt;
         std::vector<SegmentEnds> borders = renumbered(borders_);
         std::ranges::sort(borders);
         std::vector<SegmentEnds> segments = renumbered(segments_);
@@ -222,6 +245,7 @@ public:
         }
         borders = odd_ones(borders);
         segments.insert(segments.end(), borders.begin(), borders.end());
+        if (is_cancelled(progress_)) return std::nullopt;
         IntersectionContour result;
         for (const JoinedLine& line : join_segments(ends_.size(), std::move(segments))) {
             result.lines.push_back({result.points.size(), line.points.size(), line.closed});
@@ -336,6 +360,7 @@ private:
     const Triangles& a_;
     const Triangles& b_;
     const RigidTransform& pose_b_;
+    Progress* progress_;
     SharedVertices<Triangles> vertices_a_;
     SharedVertices<Triangles> vertices_b_;
     std::vector<TrianglePair> pairs_;
@@ -366,7 +391,7 @@ std::optional<IntersectionContour> contour_of_indexes(const MeshIndex& a, const 
     std::ranges::sort(pairs);
     const TrianglesOfRows triangles_a(a.parts(), std::move(rows_a));
     const TrianglesOfRows triangles_b(b.parts(), std::move(rows_b));
-    return ContourMaker(triangles_a, triangles_b, pose_b, pairs).contour(progress);
+    return ContourMaker(triangles_a, triangles_b, pose_b, pairs, progress).contour();
 }
 
 } // namespace
@@ -404,7 +429,7 @@ IntersectionContour intersection_contour(const TriangleMesh& a, const TriangleMe
 {
     const TrianglesOfMesh triangles_a(a);
     const TrianglesOfMesh triangles_b(b);
-    return *ContourMaker(triangles_a, triangles_b, pose_b, pairs).contour(nullptr);
+    return *ContourMaker(triangles_a, triangles_b, pose_b, pairs, nullptr).contour();
 }
 
 } // namespace proxima

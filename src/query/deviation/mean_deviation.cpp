@@ -1,9 +1,6 @@
-#include "base/memory_budget.h"
-#include "base/parallel.h"
-#include "base/progress.h"
 #include "base/text.h"
 #include "proxima/mesh_deviation.h"
-#include "query/deviation/mean_search.h"
+#include "query/deviation/mean_rounds.h"
 #include "query/deviation/surface_pair.h"
 
 #include <algorithm>
@@ -86,6 +83,40 @@ DistanceBounds widened(const DistanceBounds& bounds)
             bounds.upper * (1 + rounding) + least};
 }
 
+double width(const DistanceBounds& bounds)
+{
+    return bounds.upper - bounds.lower;
+}
+
+/// What both hold.
+DistanceBounds common(const DistanceBounds& one, const DistanceBounds& other)
+{
+    return {std::max(one.lower, other.lower), std::min(one.upper, other.upper)};
+}
+
+/// In the pair's units.
+struct MeanIntervals {
+    DistanceBounds mean;
+    DistanceBounds root;
+};
+
+/// \pre the sums' area is not 0
+MeanIntervals intervals_of(const SurfacePair& pair, const MeanSums& sums)
+{
+    const double area = sums.area.value();
+    // Areas that are off shift the mean towards some distances, which are all below the farthest.
+    const double shift = std::min(2 * sums.area_error.value() / area, 1.0) * sums.farthest;
+    const double rounding = 2 * pair.rounding(sums.cuts);
+    const double lower_root = std::sqrt(sums.squares_lower.value() / area);
+    const double upper_root = std::sqrt(sums.squares_upper.value() / area);
+    // The same of squares, whose root it is that is wanted.
+    const double root_shift =
+        shift > 0 ? std::min(std::sqrt(shift * sums.farthest), shift * sums.farthest / upper_root)
+                  : 0;
+    return {widened(sums.lower.value() / area, sums.upper.value() / area, rounding + shift),
+            widened(lower_root, upper_root, rounding + root_shift)};
+}
+
 /// Which part of two surfaces the first is.
 struct SurfaceShare {
     double least = 0;
@@ -128,40 +159,10 @@ Result<MeanDeviation> mean_deviation(const MeshIndex& a, const MeshIndex& b,
     const auto vertices = measure_vertices(*pair, options.execution);
     if (!vertices) return tl::unexpected(vertices.error());
 
-    const std::uint32_t count = pair->a().triangle_count();
-    Progress* const progress = options.execution.progress;
-    const AreaHistogram empty(options.histogram_bins, pair->to_units(options.histogram_end));
-    const double guess = guessed_root(*pair, *vertices);
-    // As many chunks as tell how to share the work, and no more: each has a histogram.
-    const std::size_t chunk = std::max<std::size_t>(16, chunk_count(count, 1024));
-    const std::uint64_t splits_each =
-        std::max<std::uint64_t>(options.max_splits / count, 64) * chunk;
-    const std::uint64_t fixed =
-        pair->bytes() +
-        chunk_count(count, chunk) * (sizeof(MeanSums) + options.histogram_bins * sizeof(double));
-    if (Status status = check_budget(options.execution.budget, fixed + MeanSearch::least_bytes,
-                                     "measuring the mean deviation", "raise the budget");
-        !status)
-        return tl::unexpected(status.error());
-    // Neither the bytes of a search nor what it finds depend on the number of threads.
-    const std::uint64_t left = budget_bytes(options.execution.budget) - fixed;
-    const std::uint64_t bytes = std::min(left, MeanSearch::most_bytes);
-    const Threads threads = at_most(options.execution.threads, left / bytes);
-    std::vector<MeanSums> parts(chunk_count(count, chunk), MeanSums(empty));
-    begin_stage(progress, "mean deviation", count);
-    parallel_chunks(count, chunk, threads, [&](std::size_t first, std::size_t end) {
-        MeanSearch search(*pair, *vertices, tolerance, guess, splits_each, bytes, progress);
-        for (std::size_t row = first; row < end; ++row) {
-            if (is_cancelled(progress)) return;
-            search.add_triangle(static_cast<std::uint32_t>(row), parts[first / chunk]);
-        }
-        advance_stage(progress, end - first);
-    });
-    if (is_cancelled(progress)) return cancelled("measuring the mean deviation");
-    MeanSums sums(empty);
-    for (const MeanSums& some : parts) sums.add(some);
-
-    const double area = sums.area.value();
+    auto sums = sum_means(*pair, *vertices, options, tolerance, guessed_root(*pair, *vertices),
+                          options.max_splits);
+    if (!sums) return tl::unexpected(sums.error());
+    const double area = sums->area.value();
     if (!(area > 0)) {
         return fail(
             ErrorCode::invalid_mesh,
@@ -171,26 +172,26 @@ Result<MeanDeviation> mean_deviation(const MeshIndex& a, const MeshIndex& b,
                 : "the mesh has no area: there is no mean of distances from it",
             "a");
     }
-    // Areas that are off shift the mean towards some distances, which are all below the farthest.
-    const double shift = std::min(2 * sums.area_error.value() / area, 1.0) * sums.farthest;
-    const double rounding = 2 * pair->rounding(sums.cuts);
-    const DistanceBounds mean =
-        widened(sums.lower.value() / area, sums.upper.value() / area, rounding + shift);
-    const double lower_root = std::sqrt(sums.squares_lower.value() / area);
-    const double upper_root = std::sqrt(sums.squares_upper.value() / area);
-    // The same of squares, whose root it is that is wanted.
-    const double root_shift =
-        shift > 0 ? std::min(std::sqrt(shift * sums.farthest), shift * sums.farthest / upper_root)
-                  : 0;
-    const DistanceBounds root = widened(lower_root, upper_root, rounding + root_shift);
+    MeanIntervals found = intervals_of(*pair, *sums);
+    std::uint64_t splits = sums->splits;
+    if (width(found.mean) <= tolerance && width(found.root) > tolerance &&
+        splits < options.max_splits) {
+        // The guess was too large. With what is proven of the root, its bounds reach the tolerance, too.
+        sums = sum_means(*pair, *vertices, options, tolerance, found.root.lower,
+                         options.max_splits - splits);
+        if (!sums) return tl::unexpected(sums.error());
+        splits += sums->splits;
+        const MeanIntervals again = intervals_of(*pair, *sums);
+        found = {common(found.mean, again.mean), common(found.root, again.root)};
+    }
     MeanDeviation result;
-    result.mean = pair->from_units(mean);
-    result.root_mean_square = pair->from_units(root);
+    result.mean = pair->from_units(found.mean);
+    result.root_mean_square = pair->from_units(found.root);
     result.area = pair->area_from_units(area);
-    result.area_error = pair->area_from_units(sums.area_error.value() + 0x1p-44 * area);
-    if (options.histogram_bins != 0) result.histogram = sums.histogram.shares(area);
-    result.splits = sums.splits;
-    result.is_complete = mean.upper - mean.lower <= tolerance;
+    result.area_error = pair->area_from_units(sums->area_error.value() + 0x1p-44 * area);
+    if (options.histogram_bins != 0) result.histogram = sums->histogram.shares(area);
+    result.splits = splits;
+    result.is_complete = width(found.mean) <= tolerance && width(found.root) <= tolerance;
     return result;
 }
 

@@ -1,6 +1,7 @@
 #include "query/deviation/mean_search.h"
 
 #include <algorithm>
+#include <utility>
 
 namespace proxima {
 
@@ -35,7 +36,37 @@ void set_lower(MeanBounds& mean, CornerValues values) noexcept
     }
 }
 
+/// Takes bounds from below where they are higher.
+void raise_lower(MeanBounds& mean, const MeanBounds& lower) noexcept
+{
+    mean.lower = std::clamp(lower.lower, mean.lower, mean.upper);
+    mean.squares_lower = std::clamp(lower.squares_lower, mean.squares_lower, mean.squares_upper);
+}
+
 } // namespace
+
+MeanBounds lower_means(const std::array<Vec3, 3>& corners, CornerValues distances,
+                       double rounding) noexcept
+{
+    double sides = 0;
+    double longest = 0;
+    for (std::size_t k = 0; k < 3; ++k) {
+        const double side = (corners[next_corner(k)] - corners[k]).squaredNorm();
+        sides += side;
+        longest = std::max(longest, side);
+    }
+    MeanBounds mean;
+    for (double& distance : distances) distance -= rounding;
+    const auto [a, b, c] = distances;
+    const double least = std::min({a, b, c});
+    if (!(least > 0)) return mean;
+    const double below = (1 + 0x1p-40) * sides / 12;
+    const double root = std::sqrt(std::max(least * least - longest / 3, 0.0));
+    mean.lower = std::max(corner_sum(distances) / 3 - below / (least + root), 0.0);
+    const double squares = (a * a + b * b + c * c) / 3;
+    mean.squares_lower = std::max((1 - 0x1p-48) * squares - below, 0.0);
+    return mean;
+}
 
 MeanBounds mean_bounds(const CornerValues& above, const CornerValues& below) noexcept
 {
@@ -62,87 +93,128 @@ void MeanSums::add(const MeanSums& some)
     histogram.add(some.histogram);
 }
 
-MeanSearch::MeanSearch(const SurfacePair& pair, const MeasuredVertices& vertices, double tolerance,
-                       double root, std::uint64_t most_splits, std::uint64_t bytes,
-                       const Progress* progress)
+MeanSearch::MeanSearch(const SurfacePair& pair, const MeasuredVertices& vertices,
+                       const MeanSearchOptions& options, const Progress* progress)
     : pair_(pair), progress_(progress), vertices_(vertices),
-      tolerance_(std::max(tolerance - 4 * pair.rounding(64), 4 * pair.rounding(64))),
-      root_share_(1 / std::max(2 * root, tolerance_)), splits_left_(most_splits),
-      pieces_(pair, 0.25 * tolerance_, bytes / 2),
+      tolerance_(std::max(options.tolerance - 4 * pair.rounding(64), 4 * pair.rounding(64))),
+      root_share_(1 / std::max(2 * options.root, tolerance_)), spare_each_(options.spare),
+      splits_left_(options.most_splits), pieces_(pair, 0.25 * tolerance_, options.bytes / 2),
       // Lists that grow take three times their size.
-      most_pieces_(std::max(bytes, least_bytes) / 4 / (3 * sizeof(BoundedPiece))),
-      most_parts_(std::max(bytes, least_bytes) / 4 / (3 * sizeof(MeasuredPart)))
+      most_pieces_(std::max(options.bytes, least_bytes) / 4 / (3 * sizeof(BoundedPiece))),
+      most_parts_(std::max(options.bytes, least_bytes) / 4 / (3 * sizeof(MeanPart)))
 {}
 
-void MeanSearch::add_triangle(std::uint32_t row, MeanSums& sums)
+void MeanSearch::add_triangle(std::uint32_t row, MeanSums& sums, std::vector<MeanPart>* left)
 {
     const Triangle triangle = pair_.a().triangle(row);
-    area_ = 0.5 * scaled_normal(triangle).norm();
     double side = 0;
     for (int i = 0; i < 3; ++i)
         side = std::max(side, (triangle[(i + 1) % 3] - triangle[i]).squaredNorm());
-    sums.area.add(area_);
+    sums.area.add(area_of(triangle));
     sums.area_error.add(0x1p-48 * side);
+    add_part({.part = {.corners = triangle.vertices, .nearest = vertices_.of_row(pair_.a(), row)},
+              .row = row},
+             sums, left);
+}
+
+void MeanSearch::add_part(const MeanPart& start, MeanSums& sums, std::vector<MeanPart>* left)
+{
+    area_ = area_of(pair_.a().triangle(start.row));
+    spare_ += area_ * start.part.weight * spare_each_;
     const std::uint64_t splits_left = splits_left_;
-    parts_.clear();
-    parts_.push_back({.corners = triangle.vertices, .nearest = vertices_.of_row(pair_.a(), row)});
-    while (!parts_.empty()) {
-        const MeasuredPart part = parts_.back();
+    parts_.assign(1, start);
+    if (left != nullptr) add_largest_first(sums, *left);
+    while (!parts_.empty() && !is_cancelled(progress_)) {
+        const MeanPart part = parts_.back();
         parts_.pop_back();
-        add_part(part, sums);
-        if (is_cancelled(progress_)) return;
+        look_at(part, sums);
     }
     sums.splits += splits_left - splits_left_;
 }
 
-void MeanSearch::add_part(const MeasuredPart& part, MeanSums& sums)
+/// Looks at parts in the order in which they were made; what is left after parts_alone is moved.
+void MeanSearch::add_largest_first(MeanSums& sums, std::vector<MeanPart>& left)
 {
-    CornerValues above{};
-    const MeanBounds rough = rough_bounds(part, above);
+    for (std::size_t first = 0; first < parts_.size(); ++first) {
+        if (is_cancelled(progress_)) return;
+        if (first == parts_alone) {
+            left.insert(left.end(), parts_.begin() + parts_alone, parts_.end());
+            break;
+        }
+        const MeanPart part = parts_[first];
+        look_at(part, sums);
+    }
+    parts_.clear();
+}
+
+void MeanSearch::look_at(const MeanPart& pending, MeanSums& sums)
+{
+    const MeasuredPart& part = pending.part;
+    const auto [rough, above] = rough_bounds(part);
     const double doubt = doubt_of(rough);
-    NearPiece piece;
-    if (doubt <= allowance(part.weight) || !may_cut()) {
+    const double allowed = allowance(part.weight);
+    if (doubt <= allowed || !may_cut()) {
         settle(rough, above, part.weight, part.cuts, sums);
         spare_ += area_ * part.weight * (tolerance_ - doubt);
-    } else if (pieces_.start(part, piece)) {
-        refine(piece, part.weight, sums);
-    } else {
-        for (const MeasuredPart& half : part.halves(pair_).parts) parts_.push_back(half);
-        --splits_left_;
+        return;
     }
+    // Too many rows were near a part that held this one, and a few cuts will settle it without them.
+    const bool waits = pending.waits > 0 && doubt <= 4 * allowed;
+    NearPiece piece;
+    if (!waits && pieces_.start(part, piece)) {
+        refine(pending, piece, sums);
+        return;
+    }
+    const std::uint32_t left = waits ? pending.waits - 1 : 2;
+    for (const MeasuredPart& half : part.halves(pair_).parts)
+        parts_.push_back({half, pending.row, left});
+    --splits_left_;
 }
 
-/// Bounds without knowing the rows: by those closest to the corners.
-MeanBounds MeanSearch::rough_bounds(const MeasuredPart& part, CornerValues& above) const noexcept
+/// Bounds without knowing all rows that are near: by those closest to the corners, and in
+/// parts of triangles to the centroid where these leave too much in doubt.
+MeanSearch::RoughBounds MeanSearch::rough_bounds(const MeasuredPart& part) const noexcept
 {
+    RoughBounds rough;
     double least = HUGE_VAL;
-    for (const NearestRow& nearest : part.nearest) {
+    const auto use_row = [&](std::uint32_t row) {
         CornerValues distances{};
-        for (std::size_t k = 0; k < 3; ++k)
-            distances[k] = pair_.distance(part.corners[k], nearest.row);
-        if (!(corner_sum(distances) < least)) continue;
+        for (std::size_t k = 0; k < 3; ++k) distances[k] = pair_.distance(part.corners[k], row);
+        if (!(corner_sum(distances) < least)) return;
         least = corner_sum(distances);
-        above = distances;
+        rough.above = distances;
+    };
+    for (const NearestRow& nearest : part.nearest) use_row(nearest.row);
+    rough.mean = mean_bounds(rough.above, {});
+    const double rounding = pair_.rounding(part.cuts);
+    const auto& [p, q, r] = part.corners;
+    const CornerValues distances = {part.nearest[0].distance, part.nearest[1].distance,
+                                    part.nearest[2].distance};
+    raise_lower(rough.mean, lower_means({p, q, r}, distances, rounding));
+    // Whole triangles have few rows near more often than not, and these say more.
+    if (part.cuts == 0 || doubt_of(rough.mean) <= allowance(part.weight)) return rough;
+
+    const Vec3 centroid = (p + q + r) / 3;
+    const NearestRow nearest = pair_.nearest(centroid, part.reach(centroid));
+    use_row(nearest.row);
+    const MeanBounds whole = std::exchange(rough.mean, mean_bounds(rough.above, {}));
+    raise_lower(rough.mean, whole);
+    MeanBounds thirds;
+    for (std::size_t k = 0; k < 3; ++k) {
+        const std::size_t next = next_corner(k);
+        const MeanBounds third =
+            lower_means({part.corners[k], part.corners[next], centroid},
+                        {distances[k], distances[next], nearest.distance}, rounding);
+        thirds.lower += third.lower / 3;
+        thirds.squares_lower += third.squares_lower / 3;
     }
-    // The squared distance from any set less that from a fixed point is concave, so the square is above
-    // what joins its corners less the variance of the corners, a third of a squared side at most.
-    const std::size_t side = longest_side_of(part.corners);
-    const double variance =
-        (part.corners[next_corner(side)] - part.corners[side]).squaredNorm() / 3;
-    CornerValues below{};
-    for (std::size_t i = 0; i < 3; ++i) {
-        // The distance may be too large by its rounding, of which the root near 0 makes more.
-        const double distance = part.nearest[i].distance;
-        const double squared =
-            distance * distance - variance - 2 * distance * pair_.rounding(part.cuts);
-        if (squared < 0) return mean_bounds(above, {});
-        below[i] = std::sqrt(squared);
-    }
-    return mean_bounds(above, below);
+    raise_lower(rough.mean, thirds);
+    return rough;
 }
 
-void MeanSearch::refine(const NearPiece& whole, double weight, MeanSums& sums)
+void MeanSearch::refine(const MeanPart& start, const NearPiece& whole, MeanSums& sums)
 {
+    const double weight = start.part.weight;
     heap_.clear();
     double doubt = 0;
     const auto has_less_doubt = [](const BoundedPiece& one, const BoundedPiece& other) {
@@ -165,7 +237,7 @@ void MeanSearch::refine(const NearPiece& whole, double weight, MeanSums& sums)
         if (count % 64 == 0 && is_cancelled(progress_)) return;
         if (!may_cut()) break;
         if (pieces_.is_full() || heap_.size() > most_pieces_) {
-            start_anew(weight, doubt, sums);
+            start_anew(start, doubt, sums);
             return;
         }
         std::ranges::pop_heap(heap_, has_less_doubt);
@@ -181,8 +253,9 @@ void MeanSearch::refine(const NearPiece& whole, double weight, MeanSums& sums)
 }
 
 /// Makes parts of the pieces that are too much in doubt, which collect their rows anew.
-void MeanSearch::start_anew(double weight, double doubt, MeanSums& sums)
+void MeanSearch::start_anew(const MeanPart& start, double doubt, MeanSums& sums)
 {
+    const double weight = start.part.weight;
     double left = 0;
     for (const auto& [piece, mean, own] : heap_) {
         if (own <= tolerance_ * piece.weight) {
@@ -193,7 +266,7 @@ void MeanSearch::start_anew(double weight, double doubt, MeanSums& sums)
         left += piece.weight;
         MeasuredPart part = pieces_.part(piece);
         part.weight *= weight;
-        parts_.push_back(part);
+        parts_.push_back({part, start.row, 0});
     }
     spare_ += area_ * weight * (tolerance_ * (1 - left) - doubt);
 }
