@@ -9,7 +9,7 @@
 #include <random>
 #include <sstream>
 
-namespace proxima {
+namespace proxima::text_test {
 namespace {
 
 TEST(Text, JoinsStringsOfAllKindsAndValues)
@@ -76,4 +76,4 @@ TEST(Text, WritesNumbersShort)
 }
 
 } // namespace
-} // namespace proxima
+} // namespace proxima::text_test

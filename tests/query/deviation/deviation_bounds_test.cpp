@@ -10,7 +10,7 @@
 #include <utility>
 #include <vector>
 
-namespace proxima {
+namespace proxima::deviation_bounds_test {
 namespace {
 
 using namespace testing;
@@ -110,4 +110,4 @@ TEST(MeshDeviation, SaysThatAllOfTheMeanIsDone)
 }
 
 } // namespace
-} // namespace proxima
+} // namespace proxima::deviation_bounds_test

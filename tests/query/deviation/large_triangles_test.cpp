@@ -15,7 +15,7 @@
 #include <string>
 #include <vector>
 
-namespace proxima {
+namespace proxima::large_triangles_test {
 namespace {
 
 using namespace testing;
@@ -237,4 +237,4 @@ TEST(LargeTriangles, MeansByCornersAloneAreBelowThoseOfAnySet)
 }
 
 } // namespace
-} // namespace proxima
+} // namespace proxima::large_triangles_test

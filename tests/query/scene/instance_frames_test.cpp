@@ -6,7 +6,7 @@
 #include <cmath>
 #include <gtest/gtest.h>
 
-namespace proxima {
+namespace proxima::instance_frames_test {
 namespace {
 
 using namespace testing;
@@ -62,4 +62,4 @@ TEST(Scene, MovesIntoFramesOfInstancesWhatPosesMoveOutOfThem)
 }
 
 } // namespace
-} // namespace proxima
+} // namespace proxima::instance_frames_test

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <gtest/gtest.h>
 
-namespace proxima {
+namespace proxima::scene_rounding_test {
 namespace {
 
 using namespace testing;
@@ -76,4 +76,4 @@ TEST(Scene, FindsTheNearestOfManyThatDifferInTheLastBits)
 }
 
 } // namespace
-} // namespace proxima
+} // namespace proxima::scene_rounding_test
