@@ -102,10 +102,10 @@ TEST(MeetBeyondCorners, AgreesWithExactIntersectionsInOnePlane)
                                                         {Vec3(1, 0, 1), Vec3(0, 2, -1)}}};
     std::array<std::array<int, 2>, 3> seen = {}; // by corners in common, then by the answer
     for (int i = 0; i < 60'000; ++i) {
-        const auto& [u, v] = planes[static_cast<std::size_t>(i % 4)];
+        const std::array<Vec3, 2>& plane = planes[static_cast<std::size_t>(i % 4)];
         const auto place = [&] {
             const auto x = static_cast<double>(random() % 5);
-            return Vec3(x * u + static_cast<double>(random() % 5) * v);
+            return Vec3(x * plane[0] + static_cast<double>(random() % 5) * plane[1]);
         };
         const Triangle a = {{place(), place(), place()}};
         Triangle b = {{place(), place(), place()}};
