@@ -99,7 +99,7 @@ private:
     Vec3 recent_ = Vec3::Zero();   ///< along which triangles were apart last
     bool is_stopped_ = false;
     // Opening a block replaces a pair by eight at most, and each mesh has max_levels of them.
-    FixedStack<PendingBlocks, 7 * 2 * IndexParts::max_levels + 1> pending_;
+    FixedStack<PendingBlocks, std::size_t{7 * 2} * IndexParts::max_levels + 1> pending_;
 };
 
 } // namespace proxima

@@ -134,7 +134,7 @@ private:
                 if (encloses(a_.enclosure, {}, pose_(p))) return pose_(p);
         }
         PROXIMA_CHECK(!contour.points.empty()); // they overlap
-        const Vec3 first = contour.points.front().position;
+        const Vec3& first = contour.points.front().position;
         if (answer_.method != PenetrationMethod::convex) return first;
         // What two convex solids have in common is convex, so the mean of its points belongs to it.
         Vec3 sum = Vec3::Zero();
@@ -215,10 +215,11 @@ private:
     {
         std::vector<Vec3> directions = {answer_.direction};
         for (int axis = 0; axis < 3; ++axis) {
-            directions.push_back(Vec3::Unit(axis));
-            directions.push_back(-Vec3::Unit(axis));
-            directions.push_back(pose_.rotation.col(axis).normalized());
-            directions.push_back(-directions.back());
+            directions.emplace_back(Vec3::Unit(axis));
+            directions.emplace_back(-Vec3::Unit(axis));
+            const Vec3 own = pose_.rotation.col(axis).normalized();
+            directions.push_back(own);
+            directions.emplace_back(-own);
         }
         add_surfaces(directions);
         const std::size_t fixed = directions.size();

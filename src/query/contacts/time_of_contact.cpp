@@ -38,7 +38,8 @@ double meeting_after(const MeshIndex& a, const MeshIndex& b, const RigidMotion& 
     MeshMeeting meeting;
     const auto meets_at = [&](double within) {
         const double probe = std::min(1.0, std::max(time + within, std::nextafter(time, 2.0)));
-        return find_meeting(a, b, pose_at(motion, probe), {.start_from = &meeting}) ? probe : never;
+        if (find_meeting(a, b, pose_at(motion, probe), {.start_from = &meeting})) return probe;
+        return never;
     };
     const double at_once = meets_at(tolerance);
     constexpr double latest = 0x1p-10;
@@ -87,7 +88,8 @@ std::optional<TimeOfContact> time_of_contact(const MeshIndex& a, const MeshIndex
     if (found.end == SearchEnd::free) return std::nullopt;
     answer.steps = found.steps;
     answer.evidence = evidence_of(found.end);
-    answer.touches_at = found.end == SearchEnd::meets ? found.meets_at : never;
+    answer.touches_at = never;
+    if (found.end == SearchEnd::meets) answer.touches_at = found.meets_at;
     if (found.end == SearchEnd::rounding) {
         answer.touches_at = meeting_after(a, b, motion, found.free_until, search.tolerance(),
                                           search.bounds().rounding());

@@ -69,7 +69,7 @@ private:
     Status plan_memory(std::size_t groups)
     {
         const std::uint64_t fixed =
-            pair_.bytes() + most_groups_bytes(std::max(groups, std::size_t{1}));
+            pair_.bytes() + bytes_of_groups(std::max(groups, std::size_t{1}));
         if (Status status = check_budget(options_.execution.budget, fixed + MeanSearch::least_bytes,
                                          "measuring the mean deviation", "raise the budget");
             !status)
@@ -80,7 +80,7 @@ private:
             3 * sizeof(MeanPart) *
             (most_shared_parts + most_groups * (MeanSearch::parts_alone + std::size_t{1}));
         const std::uint64_t more_groups =
-            most_groups_bytes(most_groups) - most_groups_bytes(std::min(groups, most_groups));
+            bytes_of_groups(most_groups) - bytes_of_groups(std::min(groups, most_groups));
         is_shared_ = left / 4 >= shared_bytes + more_groups;
         if (is_shared_) left -= shared_bytes + more_groups;
         bytes_ = std::min(left, MeanSearch::most_bytes);
@@ -88,7 +88,7 @@ private:
         return {};
     }
 
-    [[nodiscard]] std::uint64_t most_groups_bytes(std::size_t groups) const noexcept
+    [[nodiscard]] std::uint64_t bytes_of_groups(std::size_t groups) const noexcept
     {
         return groups * (sizeof(Group) + options_.histogram_bins * sizeof(double));
     }

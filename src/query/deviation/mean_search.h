@@ -8,6 +8,7 @@
 
 #include <cmath>
 #include <cstdint>
+#include <utility>
 #include <vector>
 
 namespace proxima {
@@ -30,7 +31,7 @@ private:
 
 /// What some triangles of A add up to.
 struct MeanSums {
-    explicit MeanSums(const AreaHistogram& empty) : histogram(empty) {}
+    explicit MeanSums(AreaHistogram empty) : histogram(std::move(empty)) {}
     void add(const MeanSums& some);
 
     LongSum area;

@@ -142,9 +142,10 @@ MeasuredPart NearPieces::part(const NearPiece& piece) const noexcept
     for (Vec3& corner : part.corners) corner += origin_;
     for (std::size_t i = 0; i < piece.row_count; ++i) {
         const PieceRow& row = rows_[piece.first_row + i];
-        for (std::size_t k = 0; k < 3; ++k)
+        for (std::size_t k = 0; k < 3; ++k) {
             if (distance(row, k) < part.nearest[k].distance)
                 part.nearest[k] = {distance(row, k), near_[row.near].row()};
+        }
     }
     return part;
 }

@@ -43,7 +43,7 @@ Result<MeshIndex> scaled_index(const MeshIndex& index, int exponent, const Execu
     const auto mesh = mesh_of(index);
     if (!mesh) return tl::unexpected(mesh.error());
     std::vector<Vec3> positions(mesh->positions().begin(), mesh->positions().end());
-    for (Vec3& position : positions)
+    for (Vec3& position : positions) {
         for (double& coordinate : position) {
             const double scaled = std::ldexp(coordinate, -exponent);
             // Vertices that no triangle uses may be anything.
@@ -51,6 +51,7 @@ Result<MeshIndex> scaled_index(const MeshIndex& index, int exponent, const Execu
                 is_exact = false;
             coordinate = scaled;
         }
+    }
     auto scaled = make_triangle_mesh(std::move(positions),
                                      {mesh->triangles().begin(), mesh->triangles().end()});
     if (!scaled) return tl::unexpected(scaled.error());
