@@ -77,8 +77,7 @@ private:
         std::uint64_t left = budget_bytes(options_.execution.budget) - fixed;
         // Lists that grow take three times their size.
         constexpr std::uint64_t shared_bytes =
-            3 * sizeof(MeanPart) *
-            (most_shared_parts + most_groups * (MeanSearch::parts_alone + std::size_t{1}));
+            3 * sizeof(MeanPart) * (most_shared_parts + most_groups * MeanSearch::most_left);
         const std::uint64_t more_groups =
             bytes_of_groups(most_groups) - bytes_of_groups(std::min(groups, most_groups));
         is_shared_ = left / 4 >= shared_bytes + more_groups;

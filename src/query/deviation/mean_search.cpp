@@ -61,7 +61,7 @@ MeanBounds lower_means(const std::array<Vec3, 3>& corners, CornerValues distance
     const double least = std::min({a, b, c});
     if (!(least > 0)) return mean;
     const double below = (1 + 0x1p-40) * sides / 12;
-    const double root = std::sqrt(std::max(least * least - longest / 3, 0.0));
+    const double root = std::sqrt(std::max((1 - 0x1p-50) * least * least - longest / 3, 0.0));
     mean.lower = std::max(corner_sum(distances) / 3 - below / (least + root), 0.0);
     const double squares = (a * a + b * b + c * c) / 3;
     mean.squares_lower = std::max((1 - 0x1p-48) * squares - below, 0.0);
@@ -132,14 +132,18 @@ void MeanSearch::add_part(const MeanPart& start, MeanSums& sums, std::vector<Mea
     sums.splits += splits_left - splits_left_;
 }
 
-/// Looks at parts in the order in which they were made; what is left after parts_alone is moved.
+/// Looks at parts in the order in which they were made, up to parts_alone of them, and moves as many of
+/// the next ones as `left` takes.
 void MeanSearch::add_largest_first(MeanSums& sums, std::vector<MeanPart>& left)
 {
     for (std::size_t first = 0; first < parts_.size(); ++first) {
         if (is_cancelled(progress_)) return;
         if (first == parts_alone) {
-            left.insert(left.end(), parts_.begin() + parts_alone, parts_.end());
-            break;
+            const auto from = parts_.begin() + parts_alone;
+            const auto to = from + std::min(parts_.end() - from, std::ptrdiff_t{most_left});
+            left.insert(left.end(), from, to);
+            parts_.erase(parts_.begin(), to);
+            return;
         }
         const MeanPart part = parts_[first];
         look_at(part, sums);

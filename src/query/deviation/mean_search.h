@@ -100,9 +100,10 @@ public:
                const MeanSearchOptions& options, const Progress* progress);
     static constexpr std::uint64_t least_bytes = std::uint64_t{1} << 20U;
     static constexpr std::uint64_t most_bytes = 2 * NearPieces::most_bytes; ///< more is of no use
-    /// With `left`, what remains after so many parts of one triangle is added there, one part more at
-    /// most.
+    /// With `left`, what remains after so many parts of one triangle is added there, as far as
+    /// most_left parts go.
     static constexpr std::size_t parts_alone = 64;
+    static constexpr std::size_t most_left = parts_alone + 1;
 
     /// Ends soon where the progress asks for it; then the sums are of no use.
     void add_triangle(std::uint32_t row, MeanSums& sums, std::vector<MeanPart>* left);

@@ -147,6 +147,9 @@ MeasuredPart NearPieces::part(const NearPiece& piece) const noexcept
                 part.nearest[k] = {distance(row, k), near_[row.near].row()};
         }
     }
+    // Rows that were left out may be nearer.
+    for (std::size_t k = 0; k < 3; ++k)
+        part.nearest[k] = pair_.nearest(part.corners[k], part.nearest[k].distance);
     return part;
 }
 

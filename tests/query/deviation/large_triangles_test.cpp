@@ -128,7 +128,7 @@ TEST(LargeTriangles, LeavePartsThatAddUp)
     std::vector<MeanPart> left;
     search(0).add_triangle(0, shared, &left);
     EXPECT_GE(left.size(), MeanSearch::parts_alone / 4);
-    EXPECT_LE(left.size(), MeanSearch::parts_alone + 1);
+    EXPECT_LE(left.size(), MeanSearch::most_left);
     EXPECT_LT(shared.splits, whole.splits / 8);
     double weight = 0;
     for (const MeanPart& part : left) {
@@ -145,6 +145,38 @@ TEST(LargeTriangles, LeavePartsThatAddUp)
     MeanSums spared(empty);
     search(1e-3).add_triangle(0, spared, nullptr);
     EXPECT_LT(spared.splits, whole.splits);
+}
+
+TEST(LargeTriangles, LeaveFewPartsWhereThousandsAreStartedAnew)
+{
+    constexpr unsigned seed = 71;
+    std::mt19937 random(seed);
+    std::uniform_real_distribution<double> place(-1, 1);
+    std::vector<Vec3> points;
+    std::vector<TriangleCorners> triangles;
+    for (std::uint32_t i = 0; i < 200; ++i) {
+        const Vec3 middle(place(random), place(random), place(random));
+        for (int k = 0; k < 3; ++k)
+            points.emplace_back(middle + 0.2 * Vec3(place(random), place(random), place(random)));
+        triangles.push_back({3 * i, 3 * i + 1, 3 * i + 2});
+    }
+    const MeshIndex a = large_index_of(
+        mesh_of({Vec3(-1, -1, 0.1), Vec3(1, -1, -0.2), Vec3(0, 1, 0.3)}, {{0, 1, 2}}));
+    const MeshIndex b = large_index_of(mesh_of(points, triangles));
+    const SurfacePair pair = SurfacePair::make(a, b, {}).value();
+    const MeasuredVertices vertices = measure_vertices(pair, {}).value();
+    MeanSearch search(pair, vertices,
+                      {.tolerance = 1e-4,
+                       .root = 0.3,
+                       .spare = 0,
+                       .most_splits = 1U << 20U,
+                       .bytes = MeanSearch::most_bytes},
+                      nullptr);
+    MeanSums sums(AreaHistogram(0, 0));
+    std::vector<MeanPart> left;
+    search.add_triangle(0, sums, &left);
+    EXPECT_EQ(left.size(), MeanSearch::most_left) << "seed " << seed;
+    EXPECT_GT(sums.splits, 20'000U); // what did not go there was looked at
 }
 
 /// The plane z = 0 from a ring of so large a radius outward.
