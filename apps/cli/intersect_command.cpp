@@ -161,8 +161,8 @@ Result<PoseAnswer> find_in(const Body& a, const Body& b, const RigidTransform& p
     }
     if (Status status = session.check_running(); !status) return tl::unexpected(status.error());
     if (!options.contour.empty() || !options.picture.empty()) {
-        auto contour =
-            intersection_contour(a.index, b.index, pose, {.execution = session.execution()});
+        auto contour = intersection_contour(a.mesh, b.mesh, pose, answer.pairs,
+                                            {.execution = session.execution()});
         if (!contour) return tl::unexpected(contour.error());
         answer.contour = *std::move(contour);
     }

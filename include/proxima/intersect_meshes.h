@@ -81,7 +81,8 @@ struct MeetingOptions {
                                              std::span<TrianglePair> pairs) noexcept;
 
 /// Calls visitor(pairs) with pairs as they are found, each once, in no particular order, until it
-/// returns Flow::stop. Real-time safe as meshes_intersect if the visitor is.
+/// returns Flow::stop; without any where none was found for long, so that it may end the search.
+/// Real-time safe as meshes_intersect if the visitor is.
 void visit_intersecting_pairs(const MeshIndex& a, const MeshIndex& b, const RigidTransform& pose_b,
                               FunctionRef<Flow(std::span<const TrianglePair>)> visitor);
 
@@ -175,6 +176,11 @@ struct ContourOptions {
 [[nodiscard]] IntersectionContour intersection_contour(const TriangleMesh& a, const TriangleMesh& b,
                                                        const RigidTransform& pose_b,
                                                        std::span<const TrianglePair> pairs);
+
+/// Like this, and can be watched and cancelled. Error cancelled.
+[[nodiscard]] Result<IntersectionContour>
+intersection_contour(const TriangleMesh& a, const TriangleMesh& b, const RigidTransform& pose_b,
+                     std::span<const TrianglePair> pairs, const ContourOptions& options);
 
 /// What a mesh's inside is; vertices at one position are one for this.
 enum class InsideMethod : std::uint8_t {

@@ -114,7 +114,7 @@ struct RowPair {
     std::uint32_t b;
 };
 
-/// Takes pairs that meet, at most max_rows_together at a time.
+/// Takes pairs that meet, at most max_rows_together at a time; none where none was found for long.
 using RowPairVisitor = FunctionRef<Flow(std::span<const RowPair>)>;
 inline constexpr std::size_t max_rows_together = 256;
 

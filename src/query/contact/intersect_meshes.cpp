@@ -48,22 +48,28 @@ public:
 
     HWY_INLINE bool take(std::uint32_t row_a, std::uint32_t row_b, bool sure)
     {
-        if (!sure && !ask_rows(open_, row_a, row_b)) return true;
+        if (!sure && !ask_rows(open_, row_a, row_b))
+            return ++apart_ < most_apart || flush() == Flow::proceed;
         if (count_ == pairs_.size() && flush() == Flow::stop) return false;
         pairs_[count_++] = {row_a, row_b};
         return true;
     }
     Flow flush()
     {
+        apart_ = 0;
         const Flow flow = visitor_(std::span(pairs_).first(count_));
         count_ = 0;
         return flow;
     }
 
 private:
+    /// So many pairs that do not meet, one after the other, and the visitor may end the search.
+    static constexpr std::size_t most_apart = 4096;
+
     const ContactSearch& open_;
     RowPairVisitor visitor_;
     std::size_t count_ = 0;
+    std::size_t apart_ = 0;
     std::array<RowPair, max_rows_together> pairs_;
 };
 

@@ -394,6 +394,17 @@ std::optional<IntersectionContour> contour_of_indexes(const MeshIndex& a, const 
     return ContourMaker(triangles_a, triangles_b, pose_b, pairs, progress).contour();
 }
 
+/// The same among pairs that are known.
+std::optional<IntersectionContour> contour_of_pairs(const TriangleMesh& a, const TriangleMesh& b,
+                                                    const RigidTransform& pose_b,
+                                                    std::span<const TrianglePair> pairs,
+                                                    Progress* progress)
+{
+    const TrianglesOfMesh triangles_a(a);
+    const TrianglesOfMesh triangles_b(b);
+    return ContourMaker(triangles_a, triangles_b, pose_b, pairs, progress).contour();
+}
+
 } // namespace
 
 double IntersectionContour::length() const noexcept
@@ -427,9 +438,17 @@ IntersectionContour intersection_contour(const TriangleMesh& a, const TriangleMe
                                          const RigidTransform& pose_b,
                                          std::span<const TrianglePair> pairs)
 {
-    const TrianglesOfMesh triangles_a(a);
-    const TrianglesOfMesh triangles_b(b);
-    return *ContourMaker(triangles_a, triangles_b, pose_b, pairs, nullptr).contour();
+    return *contour_of_pairs(a, b, pose_b, pairs, nullptr);
+}
+
+Result<IntersectionContour> intersection_contour(const TriangleMesh& a, const TriangleMesh& b,
+                                                 const RigidTransform& pose_b,
+                                                 std::span<const TrianglePair> pairs,
+                                                 const ContourOptions& options)
+{
+    auto contour = contour_of_pairs(a, b, pose_b, pairs, options.execution.progress);
+    if (!contour) return cancelled(contour_stage);
+    return *std::move(contour);
 }
 
 } // namespace proxima

@@ -369,6 +369,24 @@ TEST(IntersectMeshes, StopsWhereTheVisitorSaysSo)
     EXPECT_GT(intersecting_pairs(index, index, pose).size(), 256U); // more than one call's
 }
 
+TEST(IntersectMeshes, StopsWhereTheVisitorSaysSoThoughNoneMeet)
+{
+    const MeshIndex outer = index_of(torus_mesh(1.0, 0.4, 160, 80));
+    const MeshIndex inner = index_of(torus_mesh(1.0, 0.39999, 160, 80));
+    std::size_t calls = 0;
+    const auto count = [&](Flow flow) {
+        calls = 0;
+        visit_intersecting_pairs(outer, inner, {}, [&](std::span<const TrianglePair> pairs) {
+            EXPECT_TRUE(pairs.empty());
+            ++calls;
+            return flow;
+        });
+        return calls;
+    };
+    EXPECT_GT(count(Flow::proceed), 5U);
+    EXPECT_EQ(count(Flow::stop), 1U);
+}
+
 TEST(IntersectMeshes, BatchesAnswerLikeSinglePosesForAnyNumberOfThreads)
 {
     const TriangleMesh torus = torus_mesh(1.0, 0.4, 24, 16);
