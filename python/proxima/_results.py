@@ -245,15 +245,16 @@ Deviation = _result(
     greatest="(2,) float64: lower and upper bound of the greatest distance of its points from the other",
     point="(3,) float64: the point that is that far", closest="(3,) float64: the other's closest point",
     triangle="int: of the point", other_triangle="int: of the closest point",
-    mean="(2,) float64: bounds of the mean distance, by area; None, as all that follows, where it was not asked for",
+    mean="(2,) float64: bounds of the mean distance, by area; without the mean it is None, as root_mean_square, mean_complete, area, "
+    "area_error and the histogram are",
     root_mean_square="(2,) float64: of the root of the mean of squared distances",
     complete="bool: whether the bounds of the greatest distance are within the tolerance",
-    mean_complete="bool: whether those of the mean are",
+    mean_complete="bool: whether those of the mean and of the root mean square are",
     area="float: of this surface, in the square of the mesh's unit", area_error="float: by which the area may be off",
     histogram="(bins,) float64: shares of the area by distance, in bins of one width from 0; what is beyond the end is in the "
-    "last. An estimate, the better the smaller mean_tolerance. None where all distances are 0",
-    histogram_end="float: where the last bin ends",
-    places="FarPlaces: points that are as far as the greatest, within the tolerance",
+    "last. An estimate, the better the smaller mean_tolerance. None without bins, and where all distances are 0 and no end was given",
+    histogram_end="float: where the last bin ends; None without a histogram",
+    places="FarPlaces: points that are as far as the greatest, within the tolerance; None, as all_places, without max_places",
     all_places="bool: whether every point that is as far is within three times the spacing of one of the places")
 
 FarPlaces = _result(

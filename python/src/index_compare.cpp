@@ -127,7 +127,7 @@ void bind_comparisons(py::module_& module, py::class_<MeshIndex>& index)
     max_places      up to so many points that are as far as any within the tolerance, 256 at most
     place_spacing   how far these are from each other at least, in the mesh's unit; 0: 0.01 of the diagonal
     bins            with a histogram of the distances by area, of so many bins, 4096 at most; needs the mean
-    histogram_end   where its last bin ends, in the mesh's unit; 0: at the greatest distance
+    histogram_end   where its last bin ends, in the mesh's unit; 0: at the upper bound of the greatest distance
     max_splits      how often parts of triangles are cut at most; then the bounds are wider
 
 Looks from this surface to the other alone: both_ways(a.deviation(b), b.deviation(a)) has the Hausdorff distance and the means
