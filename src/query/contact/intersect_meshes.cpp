@@ -162,6 +162,19 @@ void sort_pairs(std::vector<TrianglePair>& pairs)
     }
 }
 
+/// All pairs by a, then b; where the progress asks to stop, some of them.
+std::vector<TrianglePair> find_pairs(const MeshIndex& a, const MeshIndex& b,
+                                     const RigidTransform& pose_b, const Progress* progress)
+{
+    std::vector<TrianglePair> pairs;
+    visit_intersecting_pairs(a, b, pose_b, [&](std::span<const TrianglePair> some) {
+        pairs.insert(pairs.end(), some.begin(), some.end());
+        return is_cancelled(progress) ? Flow::stop : Flow::proceed;
+    });
+    sort_pairs(pairs);
+    return pairs;
+}
+
 constexpr std::size_t poses_per_task = 4;
 
 /// Calls task(i) for all poses.
@@ -242,13 +255,7 @@ void visit_intersecting_pairs(const MeshIndex& a, const MeshIndex& b, const Rigi
 std::vector<TrianglePair> intersecting_pairs(const MeshIndex& a, const MeshIndex& b,
                                              const RigidTransform& pose_b)
 {
-    std::vector<TrianglePair> pairs;
-    visit_intersecting_pairs(a, b, pose_b, [&](std::span<const TrianglePair> some) {
-        pairs.insert(pairs.end(), some.begin(), some.end());
-        return Flow::proceed;
-    });
-    sort_pairs(pairs);
-    return pairs;
+    return find_pairs(a, b, pose_b, nullptr);
 }
 
 std::size_t intersecting_pairs(const MeshIndex& a, const MeshIndex& b, const RigidTransform& pose_b,
@@ -290,7 +297,7 @@ Result<PairLists> intersecting_pairs(const MeshIndex& a, const MeshIndex& b,
 {
     std::vector<std::vector<TrianglePair>> found(poses.size());
     const Status status = for_poses(poses.size(), options, [&](std::size_t i) {
-        found[i] = intersecting_pairs(a, b, poses[i]);
+        found[i] = find_pairs(a, b, poses[i], options.execution.progress);
     });
     if (!status) return tl::unexpected(status.error());
     PairLists lists;
