@@ -121,8 +121,8 @@ def extrapolate(coefficients, runs, ranks=10_000):
     pointers, copies, sent, peak = growth(runs)
     print(f"\nGrowth: {pointers:.2f} pointers a triangle, copies {copies:.1f} times the square root of a rank's share, "
           f"{sent:.0f} bytes sent and {peak:.0f} bytes of memory a triangle.\n")
-    print("| Triangles | of a rank | Depth | Work of a rank | of it for messages | Memory of a rank | Sent by a rank | Root counts, MB |")
-    print("|---|---|---|---|---|---|---|---|")
+    print("| Triangles | of a rank | Depth | Work of a rank | Memory of a rank | Sent by a rank | Root counts, MB |")
+    print("|---|---|---|---|---|---|---|")
     for whole in (1e9, 1e10, 1e11):
         share = whole / ranks
         # A level more for four times the triangles of a surface.
@@ -133,7 +133,7 @@ def extrapolate(coefficients, runs, ranks=10_000):
         work = coefficients @ terms
         # Cells at the routing depth, 16 bytes each, that every rank tells for every depth.
         told = 16 * min(received, 8 ** ROUTING_DEPTH) / 1e6
-        print(f"| {whole:.0e} | {share:.0e} | {depth:.1f} | {work / 1e6:.2f} s | {coefficients[-1] * messages / 1e6:.3f} s "
+        print(f"| {whole:.0e} | {share:.0e} | {depth:.1f} | {work / 1e6:.2f} s "
               f"| {peak * received / 1e6:.0f} MB | {sent * share / 1e6:.0f} MB | {told:.2f} |")
     return pointers
 

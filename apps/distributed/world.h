@@ -260,6 +260,9 @@ private:
         return received;
     }
 
+    /// Counts a message to another rank, where there is one.
+    void count_sent(std::size_t bytes);
+
     /// The processor time that the calling thread has taken so far.
     [[nodiscard]] static double processor_seconds() noexcept;
 
