@@ -394,7 +394,7 @@ std::optional<IntersectionContour> contour_of_indexes(const MeshIndex& a, const 
     return ContourMaker(triangles_a, triangles_b, pose_b, pairs, progress).contour();
 }
 
-/// The same among pairs that are known.
+/// The contour of pairs of triangles that the caller has found. Nothing where the progress asks to stop.
 std::optional<IntersectionContour> contour_of_pairs(const TriangleMesh& a, const TriangleMesh& b,
                                                     const RigidTransform& pose_b,
                                                     std::span<const TrianglePair> pairs,

@@ -109,7 +109,7 @@ MeanIntervals intervals_of(const SurfacePair& pair, const MeanSums& sums)
     const double rounding = 2 * pair.rounding(sums.cuts);
     const double lower_root = std::sqrt(sums.squares_lower.value() / area);
     const double upper_root = std::sqrt(sums.squares_upper.value() / area);
-    // The same of squares, whose root it is that is wanted.
+    // The mean of squares shifts by as much times the farthest distance, and so its root by no more than this.
     const double root_shift =
         shift > 0 ? std::min(std::sqrt(shift * sums.farthest), shift * sums.farthest / upper_root)
                   : 0;

@@ -16,7 +16,7 @@ namespace {
 /// From so many on, parts tell how to share the work. Groups of parts or triangles are no more: each has
 /// a histogram.
 constexpr std::size_t most_groups = 1024;
-/// Of the first round, and a triangle's more for each group.
+/// So many parts may the first round leave, and each group what one triangle leaves beyond its share of them.
 constexpr std::size_t most_shared_parts = std::size_t{1} << 16U;
 
 struct Group {

@@ -27,8 +27,8 @@ struct RowSide {
 };
 
 /// A volume's planes about a scene. Boxes near a plane count as cut by it, by more than planes in an instance's
-/// coordinates are rounded: 16 u (|n|_1 (|x| + |t|) + |d|), |t| part of the box, |d| at most |n|_1 |x| where a
-/// plane meets it.
+/// coordinates are rounded: 16 u (|n|_1 (|x| + |t|) + |d|), |t| part of the box. Where |d| is more than twice |n|_1 |x|, d alone tells
+/// the side, by more than half of itself, which no rounding reaches; so slacks need no |d|.
 class ScenePlanes {
 public:
     ScenePlanes(const SceneParts& scene, const ViewVolume& volume)
