@@ -1,6 +1,7 @@
 #include "mesh/near_vertices.h"
 
 #include "base/progress.h"
+#include "geometry/length.h"
 #include "mesh/equal_items.h"
 
 #include <array>
@@ -110,8 +111,7 @@ private:
     void look_at(std::size_t slot, const Vec3& position, Nearest& found) const noexcept
     {
         for (std::uint32_t vertex = heads_[slot]; vertex != no_vertex; vertex = next_[vertex]) {
-            const Vec3 between = positions_[vertex] - position;
-            const double apart = std::hypot(between.x(), between.y(), between.z());
+            const double apart = length_of(positions_[vertex] - position);
             if (apart < found.distance || (apart == found.distance && vertex < found.vertex))
                 found = {vertex, apart};
         }

@@ -2,6 +2,7 @@
 
 #include "base/check.h"
 #include "base/progress.h"
+#include "geometry/length.h"
 
 #include <algorithm>
 #include <cmath>
@@ -14,11 +15,6 @@ namespace {
 using Corners = std::array<std::uint32_t, 4>;
 
 // The order of operations is explicit, so that sizes have the same bits everywhere.
-double length(const Vec3& v) noexcept
-{
-    return std::sqrt(v.x() * v.x() + v.y() * v.y() + v.z() * v.z());
-}
-
 Vec3 cross(const Vec3& a, const Vec3& b) noexcept
 {
     return {a.y() * b.z() - a.z() * b.y(), a.z() * b.x() - a.x() * b.z(),
@@ -74,7 +70,7 @@ private:
         if (detail <= 0.0) return;
         const Vec3 diagonal = surface_.positions[corners[2]] - surface_.positions[corners[0]];
         const Vec3 other = surface_.positions[corners[3]] - surface_.positions[corners[1]];
-        queue_.push({detail * length(cross(diagonal, other)), static_cast<std::uint32_t>(quad)});
+        queue_.push({detail * length_of(cross(diagonal, other)), static_cast<std::uint32_t>(quad)});
     }
 
     void grow_on(std::uint32_t quad, std::size_t most)
@@ -110,9 +106,9 @@ private:
         const auto& [a, b, c, d] = patch.corners;
         patch.center = ((a + b) + (c + d)) * 0.25;
         const Vec3 normal = cross(c - a, d - b);
-        patch.normal = normal / length(normal);
-        patch.width = 0.5 * (length(b - a) + length(d - c));
-        patch.height = 0.5 * (length(c - b) + length(a - d));
+        patch.normal = normal / length_of(normal);
+        patch.width = 0.5 * (length_of(b - a) + length_of(d - c));
+        patch.height = 0.5 * (length_of(c - b) + length_of(a - d));
         return patch;
     }
 

@@ -2,6 +2,7 @@
 
 #include "base/text.h"
 #include "geometry/exact_predicates.h"
+#include "geometry/length.h"
 #include "proxima/topology.h"
 
 #include <algorithm>
@@ -170,7 +171,7 @@ Result<ConvexPolyhedron> polyhedron_of_mesh(const TriangleMesh& mesh,
         return fail(ErrorCode::invalid_mesh,
                     "the mesh has no volume: all its vertices lie in one plane");
     }
-    const double diagonal = bounds->extent().stableNorm();
+    const double diagonal = length_of(bounds->extent());
     if (Status status = check_convex(mesh, *hull, options.tolerance * diagonal); !status)
         return tl::unexpected(status.error());
     if (Status status = check_area(mesh, *hull, diagonal); !status)

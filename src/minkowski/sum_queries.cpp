@@ -2,6 +2,7 @@
 
 #include "base/check.h"
 #include "geometry/exact_predicates.h"
+#include "geometry/length.h"
 #include "proxima/convex_polyhedron.h"
 
 #include <algorithm>
@@ -171,7 +172,7 @@ private:
 SurfacePoint outside_point(const Vec3& nearest, const Vec3& point, std::uint32_t facet)
 {
     const Vec3 d = point - nearest;
-    return {d.stableNorm(), nearest, d.stableNormalized(), facet};
+    return {length_of(d), nearest, d.stableNormalized(), facet};
 }
 
 } // namespace

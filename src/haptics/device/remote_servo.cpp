@@ -1,6 +1,7 @@
 #include "haptics/device/remote_servo.h"
 
 #include "base/check.h"
+#include "geometry/length.h"
 #include "haptics/force/contact_force.h"
 #include "haptics/proxy/contact_planes.h"
 #include "proxima/haptic_renderer.h"
@@ -37,7 +38,7 @@ bool is_sound(const ReplyPacket& reply) noexcept
 
 Vec3 limited(const Vec3& v, double most) noexcept
 {
-    const double length = v.stableNorm();
+    const double length = length_of(v);
     return length <= most ? v : Vec3(v * (most / length * (1 - 0x1p-40)));
 }
 

@@ -1,6 +1,7 @@
 #include "haptics/force/contact_force.h"
 
 #include "base/check.h"
+#include "geometry/length.h"
 
 #include <algorithm>
 #include <cmath>
@@ -20,7 +21,7 @@ double ramped(double value, double seconds, double whole, int direction) noexcep
 
 Vec3 shortened(const Vec3& v, double most) noexcept
 {
-    const double length = v.stableNorm();
+    const double length = length_of(v);
     if (length <= most) return v;
     Vec3 result = v * (most / length);
     while (result.norm() > most) result *= 1 - 0x1p-50;

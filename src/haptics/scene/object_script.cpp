@@ -1,6 +1,7 @@
 #include "haptics/scene/object_script.h"
 
 #include "base/text.h"
+#include "geometry/length.h"
 
 #include <Eigen/Geometry>
 #include <cmath>
@@ -57,7 +58,7 @@ Status check_script(const ObjectScript& script)
         script.along.allFinite() && std::isfinite(script.angle) && std::isfinite(script.seconds);
     if (!finite) return fail(ErrorCode::invalid_argument, "the numbers of a motion must be finite");
     const bool turns = script.kind != ObjectMotionKind::swing;
-    const double length = script.along.stableNorm();
+    const double length = length_of(script.along);
     if (!(length >= least_length && length <= most_length)) {
         return fail(ErrorCode::invalid_argument,
                     concat(turns ? "the axis" : "the displacement", " of a motion must be ",

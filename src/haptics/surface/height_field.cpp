@@ -1,6 +1,7 @@
 #include "haptics/surface/height_field.h"
 
 #include "base/text.h"
+#include "geometry/length.h"
 #include "haptics/surface/height_image.h"
 #include "haptics/surface/wave.h"
 
@@ -197,7 +198,7 @@ Status check_texture(const SurfaceTexture& texture)
 {
     constexpr double strong = 1e9;
     const Bump& bump = texture.bump;
-    const double length = bump.direction.stableNorm();
+    const double length = length_of(bump.direction);
     const std::array<Range, 9> ranges = {
         {{"bump amplitude", bump.amplitude, 0, 0.01},
          {"bump wavelength", bump.wavelength, 1e-4, 1},

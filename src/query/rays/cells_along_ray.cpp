@@ -2,6 +2,7 @@
 
 #include "base/fixed_stack.h"
 #include "geometry/exact_predicates.h"
+#include "geometry/length.h"
 
 #include <algorithm>
 #include <array>
@@ -31,7 +32,7 @@ struct PendingCell {
 class Walk {
 public:
     Walk(const Octree& octree, const Ray& ray) noexcept
-        : octree_(octree), ray_(ray), length_(ray.direction.stableNorm())
+        : octree_(octree), ray_(ray), length_(length_of(ray.direction))
     {}
 
     void run(FunctionRef<Flow(const CellOnRay&)> visitor) noexcept

@@ -1,6 +1,7 @@
 #include "base/parallel.h"
 #include "base/progress.h"
 #include "base/text.h"
+#include "geometry/length.h"
 #include "index/visit_near.h"
 #include "proxima/scene.h"
 #include "query/batch_size.h"
@@ -16,18 +17,6 @@ namespace proxima {
 namespace {
 
 constexpr std::size_t scene_points_per_task = 256;
-
-/// Also where squares leave the doubles.
-double length_of(const Vec3& v) noexcept
-{
-    const double largest = v.cwiseAbs().maxCoeff();
-    if (!(largest > 0) || !std::isfinite(largest)) return largest;
-    const double scale = std::ldexp(1.0, -std::clamp(std::ilogb(largest), -1000, 1000));
-    const double x = v[0] * scale;
-    const double y = v[1] * scale;
-    const double z = v[2] * scale;
-    return std::sqrt((x * x + y * y) + z * z) / scale;
-}
 
 /// The box's distance from p, in the units of a tree, squared.
 double squared_distance(const Box& box, const Vec3& p, double scale) noexcept

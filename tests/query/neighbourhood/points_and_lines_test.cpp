@@ -103,7 +103,7 @@ TEST_P(PointClouds, ClosestPointsAreThoseOfALoop)
         EXPECT_EQ(collect_nearest(plain, p, near).written, near.size());
         for (std::size_t k = 0; k < near.size(); ++k) EXPECT_EQ(near[k].triangle, all[k].triangle);
 
-        const Box box(p - Vec3(0.5, 1, 0.25), p + Vec3(0.5, 1, 0.25));
+        const Box box{p - Vec3(0.5, 1, 0.25), p + Vec3(0.5, 1, 0.25)};
         std::set<std::uint32_t> inside;
         std::set<std::uint32_t> found;
         for (std::uint32_t k = 0; k < positions_.size(); ++k)

@@ -1,0 +1,24 @@
+// The length of a vector, also where the squares of its coordinates leave the doubles.
+#pragma once
+
+#include "proxima/geometry.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace proxima {
+
+/// The same bits on every processor and wherever the vector lies in memory, which Eigen's
+/// stableNorm() does not promise. Infinite or NaN where a coordinate is.
+[[nodiscard]] inline double length_of(const Vec3& v) noexcept
+{
+    const auto squared = [](double x, double y, double z) { return (x * x + y * y) + z * z; };
+    const double direct = squared(v.x(), v.y(), v.z());
+    if ((direct > 0x1p-900 && direct < 0x1p+900) || std::isnan(direct)) return std::sqrt(direct);
+    const double largest = std::max({std::abs(v.x()), std::abs(v.y()), std::abs(v.z())});
+    if (!(largest > 0) || std::isinf(largest)) return largest;
+    const double scale = std::ldexp(1.0, -std::clamp(std::ilogb(largest), -1000, 1000));
+    return std::sqrt(squared(v.x() * scale, v.y() * scale, v.z() * scale)) / scale;
+}
+
+} // namespace proxima
