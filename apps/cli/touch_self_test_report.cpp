@@ -34,6 +34,8 @@ std::string_view word_of(StepKind kind)
 std::string_view word_of(SelfTestOutcome outcome)
 {
     switch (outcome) {
+    case SelfTestOutcome::not_done:
+        return "not_done";
     case SelfTestOutcome::complete:
         return "complete";
     case SelfTestOutcome::unmoved:

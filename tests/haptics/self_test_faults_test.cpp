@@ -168,6 +168,9 @@ TEST(SelfTest, EndsWithZeroForceAtTheFirstFault)
             EXPECT_TRUE(session.finished);
             EXPECT_EQ(after, 0);
             EXPECT_LE(session.ticks, at + 1100);
+            // What the test did not come to is not called complete.
+            for (const AxisReport& axis : session.report.axes)
+                EXPECT_EQ(axis.pushes[1], SelfTestOutcome::not_done);
         }
     }
     // Nothing ever comes.

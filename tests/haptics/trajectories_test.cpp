@@ -240,8 +240,9 @@ private:
         return (any - any.dot(normal) * normal).normalized();
     }
 
-    void go_to(const Vec3& to, double speed)
+    void go_to(const Vec3& place, double speed)
     {
+        const Vec3 to = place; // which may be one of the path's own, and these move
         const Vec3 from = path_.positions.back();
         const int ticks =
             std::max(1, static_cast<int>((to - from).norm() / (speed * tick_seconds)));

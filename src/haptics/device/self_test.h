@@ -75,6 +75,7 @@ struct SelfTestSample {
 
 /// How a ramp or a push ended.
 enum class SelfTestOutcome : std::uint8_t {
+    not_done, ///< the test ended before it
     complete,
     unmoved, ///< the largest force did not move the tip
     too_far, ///< stopped: it went too far or too fast
@@ -89,8 +90,8 @@ struct SelfTestSegment {
     double sign = 1;       ///< in which direction it began
     std::size_t begin = 0; ///< samples [begin, end)
     std::size_t end = 0;
-    std::size_t lead = 0; ///< of these, before the force
-    SelfTestOutcome outcome = SelfTestOutcome::complete;
+    std::size_t lead = 0;                                ///< of these, before the force
+    SelfTestOutcome outcome = SelfTestOutcome::not_done; ///< of a ramp or push
 };
 
 /// The test. tick() by the servo thread: noexcept, no allocation, no lock, O(1). step(), prepares()
