@@ -123,10 +123,12 @@ struct RowDistance {
     double along[4] = {}; ///< feet on the sides, from the lower vertex id
     double parts[4] = {}; ///< of a foot inside: of the corners 2, 0, 1, not normalised
 
-    /// The order of answers: squared distance, kind, id.
+    /// The order of answers: squared distance, kind, id; and of rows with the same, the first, so that
+    /// which one it is does not follow the order of a search.
     [[nodiscard]] bool before(const RowDistance& other) const noexcept
     {
-        return squared < other.squared || (squared == other.squared && feature < other.feature);
+        if (squared != other.squared) return squared < other.squared;
+        return feature != other.feature ? feature < other.feature : rank < other.rank;
     }
     [[nodiscard]] bool found() const noexcept { return feature != ~std::uint64_t{0}; }
     [[nodiscard]] FeatureKind kind() const noexcept

@@ -219,6 +219,122 @@ std::uint64_t minkowski_digest(const TriangleMesh& mesh, const Box& box)
     return digest.value();
 }
 
+std::uint64_t field_digest(const MeshIndex& index, const Box& box)
+{
+    Digest digest;
+    const PointGrid grid = grid_around(box, {.resolution = 24}).value();
+    const std::size_t count = std::size_t{grid.size[0]} * grid.size[1] * grid.size[2];
+    std::vector<double> distances(count);
+    std::vector<Vec3> gradients(count);
+    const MeshIndex with = with_signs(index).value();
+    EXPECT_TRUE(distance_field(with, grid, {.distances = distances, .gradients = gradients}));
+    for (const double distance : distances) digest.add(distance);
+    for (const Vec3& gradient : gradients) digest.add(gradient);
+    return digest.value();
+}
+
+std::uint64_t neighbours_digest(const MeshIndex& index, std::span<const Vec3> points,
+                                const Box& box)
+{
+    Digest digest;
+    std::array<NearTriangle, 7> nearest;
+    std::vector<TriangleId> within(index.triangle_count());
+    const auto add_all = [&](const Neighbourhood& found) {
+        digest.add(std::uint64_t{found.written});
+        for (std::size_t i = 0; i < found.written; ++i) digest.add(within[i]);
+    };
+    for (const Vec3& point : points.first(100)) {
+        for (std::size_t i = 0; i < collect_nearest(index, point, nearest).written; ++i) {
+            digest.add(nearest[i].squared_distance);
+            digest.add(nearest[i].triangle);
+        }
+        add_all(collect_triangles(index, point, 0.3 * box.extent().x(), within));
+        add_all(collect_triangles(index, Box{point, point + 0.2 * box.extent()}, within));
+    }
+    return digest.value();
+}
+
+/// The mesh from itself in another place.
+std::uint64_t deviation_digest(const MeshIndex& index, const TriangleMesh& mesh, const Box& box)
+{
+    Digest digest;
+    const Vec3 aside = Vec3(0.06, 0.02, -0.04).cwiseProduct(box.extent());
+    std::vector<Vec3> positions(mesh.positions().begin(), mesh.positions().end());
+    for (Vec3& position : positions) position += aside;
+    const std::vector<TriangleCorners> triangles(mesh.triangles().begin(), mesh.triangles().end());
+    const TriangleMesh moved = make_triangle_mesh(positions, triangles).value();
+    const MeshIndex other = build_mesh_index(moved).value();
+    const double tolerance = 0.01 * box.extent().x();
+    const GreatestDeviation greatest =
+        greatest_deviation(index, other, {.tolerance = tolerance}).value();
+    digest.add(greatest.distance.lower);
+    digest.add(greatest.distance.upper);
+    digest.add(greatest.point_a);
+    const MeanDeviation mean = mean_deviation(index, other, {.tolerance = tolerance}).value();
+    for (const DistanceBounds& bounds : {mean.mean, mean.root_mean_square}) {
+        digest.add(bounds.lower);
+        digest.add(bounds.upper);
+    }
+    return digest.value();
+}
+
+/// Contact regions, depths and times of contact with the mesh itself in other places.
+std::uint64_t physics_digest(const MeshIndex& index, const Box& box)
+{
+    Digest digest;
+    const Solid solid = build_solid(index).value();
+    const Mat3 turn = (Mat3() << 0.36, 0.48, -0.8, -0.8, 0.6, 0.0, 0.48, 0.64, 0.6).finished();
+    for (const double share : {0.2, 0.5}) {
+        const RigidTransform pose{turn, box.center() - turn * box.center() + share * box.extent()};
+        const PenetrationDepth depth = penetration_depth(solid, solid, pose).value();
+        for (const double bound : {depth.lower, depth.upper}) digest.add(bound);
+        digest.add(depth.translation);
+        const ContactRegions regions = contact_regions(solid, solid, pose).value();
+        for (const ContactRegion& region : regions.regions) {
+            digest.add(region.position);
+            digest.add(region.normal);
+            for (const double number : {region.depth, region.length, region.area})
+                digest.add(number);
+        }
+        const RigidMotion motion{.start = {turn, 2 * box.extent()},
+                                 .center = box.center(),
+                                 .displacement = -2.1 * box.extent(),
+                                 .turn = {share, 0.3, -0.2}};
+        const std::optional<TimeOfContact> contact = time_of_contact(index, index, motion);
+        digest.add(contact ? contact->free_until : -1);
+        digest.add(contact ? contact->touches_at : -1);
+    }
+    return digest.value();
+}
+
+/// Some turned instances: rays, points and pairs.
+std::uint64_t scene_digest(const MeshIndex& index, std::span<const Vec3> points, const Box& box)
+{
+    Digest digest;
+    const Mat3 turn = (Mat3() << 0.36, 0.48, -0.8, -0.8, 0.6, 0.0, 0.48, 0.64, 0.6).finished();
+    std::vector<Instance> instances;
+    for (int i = 0; i < 40; ++i) {
+        const Vec3 place = Vec3(i % 4, i / 4 % 4, i / 16).cwiseProduct(0.9 * box.extent());
+        instances.push_back({.pose = {i % 3 == 0 ? Mat3(Mat3::Identity()) : turn, place}});
+    }
+    const Scene scene = build_scene(std::span(&index, 1), instances).value();
+    for (std::size_t i = 1; i < points.size(); i += 2) {
+        const Ray ray{.origin = 4 * points[i - 1], .direction = points[i] - points[i - 1]};
+        for (const SceneHit& hit : all_hits(scene, ray)) {
+            digest.add(std::uint64_t{to_index(hit.instance)});
+            digest.add(hit.hit);
+        }
+        const SceneFeature near = closest_feature(scene, 4 * points[i]).value();
+        digest.add(std::uint64_t{to_index(near.instance)});
+        digest.add(near.closest);
+        digest.add(near.distance);
+    }
+    const std::vector<InstancePair> pairs = pairs_in_contact(scene).value();
+    for (const InstancePair& pair : pairs)
+        digest.add(std::uint64_t{to_index(pair.a)} << 32U | to_index(pair.b));
+    return digest.value();
+}
+
 /// One line for each mesh and question.
 std::string all_hashes()
 {
@@ -244,6 +360,11 @@ std::string all_hashes()
         line("contact", meeting_digest(index, box));
         line("touch", touch_digest(index, box));
         line("minkowski", minkowski_digest(mesh, box));
+        line("field", field_digest(index, box));
+        line("neighbours", neighbours_digest(index, points, box));
+        line("deviation", deviation_digest(index, mesh, box));
+        line("physics", physics_digest(index, box));
+        line("scene", scene_digest(index, points, box));
     }
     return text.str();
 }
