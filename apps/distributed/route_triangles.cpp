@@ -4,8 +4,11 @@
 #include "distributed/local_numbers.h"
 
 #include <algorithm>
+#include <array>
 #include <bit>
+#include <cmath>
 #include <limits>
+#include <optional>
 #include <utility>
 
 namespace proxima {
@@ -30,21 +33,26 @@ int usable_depth(const OctreeFrame& frame, const RouteOptions& options)
     return depth;
 }
 
-/// The triangles of each cell of a depth; not to be used once `progress` is cancelled. Throws
-/// std::bad_alloc.
-CoarseBins bins_of(const TriangleMesh& mesh, const OctreeFrame& frame, int depth,
-                   Progress* progress)
+/// Pairs of a triangle and a cell that may be sent: so many do not cost more than the triangles do.
+constexpr double cheap_pairs_per_triangle = 8;
+constexpr double cheap_pairs_per_rank = 1 << 16;
+/// Cells that each rank gets at least, whatever they cost, where the options and the mesh allow it.
+constexpr double cells_per_rank = 16;
+
+/// The deepest level of at most `depth` whose cells do not make many pairs. Collective.
+int cheap_depth(const CoverageSum& slice, int depth, World& world)
 {
-    if (mesh.triangle_count() == 0) {
-        CoarseBins bins;
-        bins.depth = depth;
-        bins.first.assign((std::size_t{1} << (3 * depth)) + 1, 0);
-        return bins;
+    std::array<double, 3> sums{slice.triangles, slice.widths, slice.areas};
+    world.sum(sums);
+    const CoverageSum whole{sums[0], sums[1], sums[2]};
+    const auto ranks = static_cast<double>(world.size());
+    const double most =
+        std::max(cheap_pairs_per_triangle * whole.triangles, cheap_pairs_per_rank * ranks);
+    while (depth > 0 && whole.pairs(depth) > most &&
+           std::ldexp(1.0, 3 * (depth - 1)) >= cells_per_rank * ranks) {
+        --depth;
     }
-    begin_stage(progress, "routing", mesh.vertex_count() + 2 * mesh.triangle_count());
-    const SnappedMesh snapped(mesh, frame, Threads{1}, progress);
-    if (is_cancelled(progress)) return {};
-    return bin_triangles(snapped, depth, Threads{1}, progress);
+    return depth;
 }
 
 constexpr std::uint32_t none = std::numeric_limits<std::uint32_t>::max();
@@ -148,7 +156,9 @@ public:
     void pack_bins(const CoarseBins& bins, std::size_t first, std::size_t end,
                    std::vector<std::uint32_t>& packed)
     {
-        packed.reserve(bins.first[end] - bins.first[first]);
+        std::size_t headers = 0;
+        for (std::size_t bin = first; bin < end; ++bin) headers += bins.count(bin) > 0 ? 2 : 0;
+        packed.reserve(headers + bins.first[end] - bins.first[first]);
         for (std::size_t bin = first; bin < end; ++bin) {
             if (bins.count(bin) == 0) continue;
             packed.push_back(static_cast<std::uint32_t>(bin));
@@ -211,9 +221,11 @@ Status unpack(const Received<RoutedTriangle>& triangles, const Received<Position
 }
 
 /// Fills the lists of part.keys from the bins that came from each rank, which are in Morton order.
-void list_triangles(const Received<std::uint32_t>& bins, const std::vector<std::size_t>& triangles,
-                    int routing_depth, RoutedPart& part)
+Status list_triangles(const Received<std::uint32_t>& bins,
+                      const std::vector<std::size_t>& triangles, int routing_depth,
+                      RoutedPart& part, Progress* progress)
 {
+    StageSteps steps(progress, "unpacking", bins.items.size());
     std::vector<std::size_t> next(bins.first.begin(), bins.first.end() - 1); // by rank
     std::vector<std::uint32_t> ids;
     part.lists.reserve(bins.items.size());
@@ -238,8 +250,11 @@ void list_triangles(const Received<std::uint32_t>& bins, const std::vector<std::
             const auto shift = static_cast<std::uint32_t>(triangles[r]);
             for (const std::uint32_t id : ids) part.lists.push_back(TriangleId{id + shift});
         }
+        if (!steps.done(part.lists.size() - part.first.back()))
+            return cancelled("routing triangles");
         part.first.push_back(part.lists.size());
     }
+    return {};
 }
 
 } // namespace
@@ -247,12 +262,26 @@ void list_triangles(const Received<std::uint32_t>& bins, const std::vector<std::
 Result<RoutedPart> route_triangles(MeshSlice slice, const OctreeFrame& frame,
                                    const RouteOptions& options, World& world)
 {
-    const int routing_depth = usable_depth(frame, options);
+    Progress* const progress = &world.progress();
+    std::optional<SnappedMesh> snapped;
+    CoverageSum coverage;
+    Status status = world.agree_on([&]() -> Status {
+        begin_stage(progress, "routing",
+                    slice.mesh.vertex_count() + 2 * slice.mesh.triangle_count());
+        snapped.emplace(slice.mesh, frame, Threads{1}, progress);
+        if (!is_cancelled(progress)) coverage = sum_coverage(*snapped);
+        return {};
+    });
+    if (!status) return tl::unexpected(status.error());
+    const int routing_depth = cheap_depth(coverage, usable_depth(frame, options), world);
     CoarseBins bins;
     CellCounts counts(routing_depth);
-    Status status = world.agree_on([&]() -> Status {
-        bins = bins_of(slice.mesh, frame, routing_depth, &world.progress());
-        if (is_cancelled(&world.progress())) return cancelled("routing triangles");
+    status = world.agree_on([&]() -> Status {
+        auto binned = bin_triangles(*snapped, routing_depth, Threads{1}, progress);
+        if (!binned) return tl::unexpected(binned.error());
+        bins = std::move(*binned);
+        snapped.reset();
+        if (is_cancelled(progress)) return cancelled("routing triangles");
         counts = count_cells(bins, slice.mesh.triangle_count());
         return {};
     });
@@ -263,8 +292,8 @@ Result<RoutedPart> route_triangles(MeshSlice slice, const OctreeFrame& frame,
 
     Messages messages(0);
     status = world.agree_on([&]() -> Status {
-        auto packed = pack_all(slice, bins, *forest, static_cast<std::size_t>(world.size()),
-                               &world.progress());
+        auto packed =
+            pack_all(slice, bins, *forest, static_cast<std::size_t>(world.size()), progress);
         if (!packed) return tl::unexpected(packed.error());
         messages = std::move(*packed);
         slice = MeshSlice{};
@@ -286,8 +315,7 @@ Result<RoutedPart> route_triangles(MeshSlice slice, const OctreeFrame& frame,
         *triangles = {};
         *vertices = {};
         part.keys = forest->cells();
-        list_triangles(*listed, first, routing_depth, part);
-        return {};
+        return list_triangles(*listed, first, routing_depth, part, progress);
     });
     if (!status) return tl::unexpected(status.error());
     part.forest = std::move(forest);

@@ -28,7 +28,9 @@ struct RoutedPart {
 struct RouteOptions {
     int max_depth = 5;
     std::uint32_t threshold = 1;
-    int routing_depth = 5; ///< the deepest level whose cells are shared out, at most 7
+    /// The deepest level whose cells are shared out, at most 7. A less deep one is taken where
+    /// triangles are so wide that their cells' numbers would be most of what is sent.
+    int routing_depth = 5;
 };
 
 /// The deepest level that bins of triangles have.

@@ -114,8 +114,10 @@ Result<OctreeOutput> build_fast(const TriangleMesh& mesh, const OctreeFrame& fra
     const SnappedMesh snapped(mesh, frame, options.execution.threads, options.execution.progress);
     if (is_cancelled(options.execution.progress)) return cancelled("building the octree");
     const int bin_depth = choose_bin_depth(snapped, options.max_depth);
-    const CoarseBins bins =
+    const auto binned =
         bin_triangles(snapped, bin_depth, options.execution.threads, options.execution.progress);
+    if (!binned) return tl::unexpected(binned.error());
+    const CoarseBins& bins = *binned;
     if (is_cancelled(options.execution.progress)) return cancelled("building the octree");
 
     OctreeOutput output;

@@ -2,9 +2,11 @@
 
 #include "base/parallel.h"
 #include "base/progress.h"
+#include "base/text.h"
 
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <bit>
 #include <cmath>
 
@@ -59,12 +61,14 @@ std::uint32_t morton(std::uint32_t x, std::uint32_t y, std::uint32_t z) noexcept
 class RangeBinner {
 public:
     RangeBinner(const SnappedMesh& mesh, int depth, std::uint32_t begin, std::uint32_t end,
-                Progress* progress)
-        : mesh_(mesh), depth_(depth), begin_(begin), end_(end), progress_(progress)
+                std::uint64_t most_pairs, Progress* progress)
+        : mesh_(mesh), depth_(depth), begin_(begin), end_(end), most_pairs_(most_pairs),
+          progress_(progress)
     {}
 
-    /// Finds which cells every triangle of the range touches.
-    void cover(Coverage* coverages)
+    /// Finds which cells every triangle of the range touches. False where wide triangles have more
+    /// pairs than may be.
+    bool cover(Coverage* coverages)
     {
         coverages_ = coverages;
         wide_triangles_.clear();
@@ -79,7 +83,7 @@ public:
             if (is_cancelled(progress_)) break;
         }
         flush_block();
-        descend_wide_triangles();
+        return descend_wide_triangles();
     }
 
     /// Calls visit(triangle, cell) for every pair, triangles ascending.
@@ -152,8 +156,9 @@ private:
         block_count_ = 0;
     }
 
-    /// Triangles over many cells descend from the root.
-    void descend_wide_triangles()
+    /// Triangles over many cells descend from the root. A triangle that touches a cell touches a
+    /// child, so that pairs never become fewer.
+    bool descend_wide_triangles()
     {
         LocalTriangles local;
         mesh_.load(wide_triangles_, {}, local);
@@ -190,6 +195,8 @@ private:
             for (std::size_t i = 0; i < count; ++i) {
                 child_count += static_cast<std::size_t>(std::popcount(masks[i]));
             }
+            if (child_count > most_pairs_) return false;
+            if (is_cancelled(progress_)) return true;
             next.resize(child_count);
             std::size_t out = 0;
             for (std::size_t i = 0; i < count; ++i) {
@@ -217,12 +224,14 @@ private:
             wide_pairs_[i] = {wide_triangles_[current.triangle[i]],
                               morton(coordinate(0), coordinate(1), coordinate(2))};
         }
+        return true;
     }
 
     const SnappedMesh& mesh_;
     int depth_;
     std::uint32_t begin_;
     std::uint32_t end_;
+    std::uint64_t most_pairs_;
     Progress* progress_;
     Coverage* coverages_ = nullptr;
     LocalTriangles blocks_;
@@ -236,6 +245,14 @@ private:
     std::vector<std::uint32_t> wide_triangles_;
     std::vector<WidePair> wide_pairs_;
 };
+
+tl::unexpected<Error> too_many_pairs(int depth)
+{
+    return fail(ErrorCode::limit_exceeded,
+                concat("the triangles touch cells of depth ", depth,
+                       " more than 2^32 times: ask for less depth, or share the mesh out over more "
+                       "processes"));
+}
 
 } // namespace
 
@@ -273,7 +290,39 @@ int choose_bin_depth(const SnappedMesh& mesh, int max_depth)
     return depth;
 }
 
-CoarseBins bin_triangles(const SnappedMesh& mesh, int depth, Threads threads, Progress* progress)
+CoverageSum sum_coverage(const SnappedMesh& mesh)
+{
+    constexpr std::size_t sample_count = std::size_t{1} << 16U;
+    const auto triangles = mesh.mesh().triangles();
+    const std::size_t step = triangles.size() / sample_count | 1U; // meshes often repeat in pairs
+    CoverageSum sum;
+    for (std::size_t i = 0; i < triangles.size(); i += step) {
+        const auto& a = mesh.vertex(triangles[i][0]);
+        const auto& b = mesh.vertex(triangles[i][1]);
+        const auto& c = mesh.vertex(triangles[i][2]);
+        std::array<double, 3> ab{};
+        std::array<double, 3> ac{};
+        for (std::size_t axis = 0; axis < 3; ++axis) {
+            ab[axis] = b[axis] - a[axis];
+            ac[axis] = c[axis] - a[axis];
+            sum.widths +=
+                std::max({a[axis], b[axis], c[axis]}) - std::min({a[axis], b[axis], c[axis]});
+        }
+        for (std::size_t axis = 0; axis < 3; ++axis) {
+            const std::size_t next = (axis + 1) % 3;
+            const std::size_t last = (axis + 2) % 3;
+            sum.areas += std::abs(ab[next] * ac[last] - ab[last] * ac[next]) / 2;
+        }
+    }
+    const std::size_t samples = (triangles.size() + step - 1) / step;
+    const auto count = static_cast<double>(triangles.size());
+    const double weight = samples == 0 ? 0 : count / static_cast<double>(samples);
+    const double scale = std::ldexp(1.0, -snapped_bits);
+    return {count, weight * scale * sum.widths, weight * scale * scale * sum.areas};
+}
+
+Result<CoarseBins> bin_triangles(const SnappedMesh& mesh, int depth, Threads threads,
+                                 Progress* progress, std::uint64_t most_pairs)
 {
     const auto count = static_cast<std::uint32_t>(mesh.mesh().triangle_count());
     CoarseBins bins;
@@ -297,17 +346,26 @@ CoarseBins bin_triangles(const SnappedMesh& mesh, int depth, Threads threads, Pr
         const auto bound = [&](std::size_t index) {
             return static_cast<std::uint32_t>(std::uint64_t{count} * index / ranges);
         };
-        binners.emplace_back(mesh, depth, bound(range), bound(range + 1), progress);
+        binners.emplace_back(mesh, depth, bound(range), bound(range + 1), most_pairs, progress);
     }
     GrowBuffer<Coverage> coverages;
     coverages.resize(count);
     std::vector<std::vector<std::uint32_t>> starts(ranges);
+    std::atomic<std::uint64_t> pair_count{0};
     parallel_for(ranges, threads, [&](std::size_t range) {
-        binners[range].cover(coverages.data());
+        if (!binners[range].cover(coverages.data())) {
+            pair_count += most_pairs + 1;
+            return;
+        }
         starts[range].assign(cells, 0);
-        binners[range].visit_pairs(
-            [&](std::uint32_t, std::uint32_t cell) { ++starts[range][cell]; });
+        std::uint64_t pairs_here = 0;
+        binners[range].visit_pairs([&](std::uint32_t, std::uint32_t cell) {
+            ++starts[range][cell];
+            ++pairs_here;
+        });
+        pair_count += pairs_here;
     });
+    if (pair_count > most_pairs) return too_many_pairs(depth);
     if (is_cancelled(progress)) return bins;
     // Counts become starts: cells in order, and within a cell the ranges in order.
     std::uint32_t total = 0;

@@ -6,8 +6,11 @@
 
 #include "octree/snapped_mesh.h"
 #include "proxima/execution.h"
+#include "proxima/result.h"
 
+#include <cmath>
 #include <cstdint>
+#include <limits>
 #include <span>
 #include <vector>
 
@@ -37,9 +40,32 @@ struct CoarseBins {
 /// most triangles, at most max_depth.
 [[nodiscard]] int choose_bin_depth(const SnappedMesh& mesh, int max_depth);
 
+/// Of many triangles, in edges of the root: the widths of their boxes along all axes, and the areas of
+/// their shadows on the three coordinate planes.
+struct CoverageSum {
+    double triangles = 0;
+    double widths = 0;
+    double areas = 0;
+
+    /// How many pairs of a triangle and a cell of that depth that it touches there are, on average
+    /// over all places of the cells' grid: the volume of the triangle's Minkowski sum with a cell, in
+    /// cells.
+    [[nodiscard]] double pairs(int depth) const noexcept
+    {
+        const double cells = std::ldexp(1.0, depth);
+        return triangles + cells * (widths + cells * areas);
+    }
+};
+
+/// Looks at a sample of about 2^16 triangles. So a mesh has seldom more than a quarter of a pair a
+/// triangle beyond what this tells.
+[[nodiscard]] CoverageSum sum_coverage(const SnappedMesh& mesh);
+
 /// Bins all triangles; the result does not depend on the threads. Not to be used once `progress` is
-/// cancelled; two steps per triangle. \pre 0 <= depth <= max_bin_depth
-[[nodiscard]] CoarseBins bin_triangles(const SnappedMesh& mesh, int depth, Threads threads,
-                                       Progress* progress);
+/// cancelled; two steps per triangle. Errors: limit_exceeded where there are more pairs of a triangle
+/// and a cell. \pre 0 <= depth <= max_bin_depth, most_pairs < 2^32
+[[nodiscard]] Result<CoarseBins>
+bin_triangles(const SnappedMesh& mesh, int depth, Threads threads, Progress* progress,
+              std::uint64_t most_pairs = std::numeric_limits<std::uint32_t>::max());
 
 } // namespace proxima

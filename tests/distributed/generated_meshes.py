@@ -29,6 +29,14 @@ def nasty_mesh(seed):
     return positions, [[chance.randrange(len(positions)) for _ in range(3)] for _ in range(count)]
 
 
+def wide_triangles(seed, count):
+    """Triangles across a cube, without common corners."""
+    chance = random.Random(seed)
+    positions = [[8.0 * (chance.random() if axis == free else chance.randrange(2)) for axis in range(3)]
+                 for _ in range(3 * count) for free in [chance.randrange(3)]]
+    return positions, [[3 * i, 3 * i + 1, 3 * i + 2] for i in range(count)]
+
+
 def shell(chance, center, radius, rows):
     """A closed surface of rings and two poles, each vertex a little off the sphere."""
     positions = [[center[0], center[1], center[2] - radius], [center[0], center[1], center[2] + radius]]

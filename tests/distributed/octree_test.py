@@ -8,11 +8,12 @@ import tempfile
 import unittest
 from pathlib import Path
 
-from generated_meshes import ball_in_a_box, nasty_mesh, npy, ply, shell, surfaces
+from generated_meshes import ball_in_a_box, nasty_mesh, npy, ply, shell, surfaces, wide_triangles
 
 PROXIMA, PROGRAM, MPIRUN = (os.environ[name] for name in ("PROXIMA", "PROXIMA_MPI", "MPIRUN"))
 SECONDS = 200
 SURFACES = int(os.environ.get("SURFACES", "12"))
+SEED = int(os.environ.get("SEED", random.randrange(1 << 30)))
 
 
 def command(ranks, *arguments):
@@ -117,6 +118,14 @@ class Octree(DistributedTest):
         for seed in range(4):
             path = self.file(f"ball_{seed}.ply", ply(*ball_in_a_box(seed)))
             self.expect_same(path, "--depth", 7, "--threshold", 20, "--routing-depth", 6, ranks=(4, 7))
+
+    def test_wide_triangles_are_sent_about_once(self):
+        """400 triangles across the mesh, each of which touches thousands of cells at the routing depth 7."""
+        path = self.file("wide.ply", ply(*wide_triangles(SEED, 400)))
+        text = self.expect_same(path, "--depth", 7, "--routing-depth", 7, "--threshold", 8, ranks=(2,))
+        sent = [int(row[6]) for row in map(str.split, text.splitlines()) if len(row) == 8 and row[0] in ("0", "1")]
+        self.assertEqual(len(sent), 2)
+        self.assertLess(sum(sent), 1_000_000, f"seed {SEED}")
 
     def test_statistics_are_those_of_the_program(self):
         options = ["--depth", 7, "--threshold", 8]
