@@ -69,7 +69,18 @@ def is_no_namespace(record):
     return not record.getMessage().endswith("Declaration is '.. cpp:type:: proxima'.")
 
 
+def follow_dark_windows(app, exception):
+    """Debian's furo has lost the rule that takes its dark colours where the window is dark, so that only programs were."""
+    furo = Path(app.outdir, "_static/styles/furo.css").read_text()
+    if exception is None and "prefers-color-scheme" not in furo:
+        dark = re.search(r'body\[data-theme="dark"\] (\{.*?\})', furo, re.DOTALL)[1]
+        own = Path(app.outdir, "_static/site.css")
+        own.write_text((Path(__file__).parent / "site.css").read_text() +
+                       f'@media (prefers-color-scheme: dark) {{ body:not([data-theme="light"]) {dark} }}\n')
+
+
 def setup(app):
     logging.getLogger("sphinx.sphinx.domains.cpp").addFilter(is_no_namespace)
     app.connect("autodoc-process-docstring", write_as_rst)
     app.connect("autodoc-process-signature", without_the_inner_module)
+    app.connect("build-finished", follow_dark_windows)
