@@ -37,6 +37,7 @@ html_copy_source = False
 html_show_sphinx = False
 html_show_copyright = False
 html_theme_options = {"navigation_with_keys": True}
+html_static_path = html_css_files = ["site.css"]
 
 
 def write_as_rst(_app, _what, _name, _object, _options, lines):
@@ -55,11 +56,31 @@ def write_as_rst(_app, _what, _name, _object, _options, lines):
     lines[:] = text
 
 
+def without_the_inner_module(_app, _what, _name, _object, _options, signature, returns):
+    """Classes by the names that they have for users; `object` says nothing of what docstrings say."""
+    def shown(text):
+        return text and re.sub(r"self: [\w.]+(, )?|: object|proxima\._core\.", "", text)
+
+    return shown(signature), None if returns == "object" else shown(returns)
+
+
 def is_no_namespace(record):
     """The page of each header declares the namespace again, of which Sphinx 5 warns."""
     return not record.getMessage().endswith("Declaration is '.. cpp:type:: proxima'.")
 
 
+def follow_dark_windows(app, exception):
+    """Debian's furo has lost the rule that takes its dark colours where the window is dark, so that only programs were."""
+    furo = Path(app.outdir, "_static/styles/furo.css").read_text()
+    if exception is None and "prefers-color-scheme" not in furo:
+        dark = re.search(r'body\[data-theme="dark"\] (\{.*?\})', furo, re.DOTALL)[1]
+        own = Path(app.outdir, "_static/site.css")
+        own.write_text((Path(__file__).parent / "site.css").read_text() +
+                       f'@media (prefers-color-scheme: dark) {{ body:not([data-theme="light"]) {dark} }}\n')
+
+
 def setup(app):
     logging.getLogger("sphinx.sphinx.domains.cpp").addFilter(is_no_namespace)
     app.connect("autodoc-process-docstring", write_as_rst)
+    app.connect("autodoc-process-signature", without_the_inner_module)
+    app.connect("build-finished", follow_dark_windows)

@@ -23,6 +23,8 @@ py::array any_array(const py::handle& object, const char* name)
         PyErr_Clear();
         refuse(name, "must be an array of numbers, is a " + type_name(object));
     }
+    if (type_name(object) == "MaskedArray")
+        refuse(name, "must have no mask: hand over the rows that count, or filled() ones");
     return array;
 }
 
@@ -125,6 +127,13 @@ Vec3 point_of(const py::handle& object, const char* name)
     return Vec3(array.data());
 }
 
+Box box_between(const py::handle& lower, const py::handle& upper)
+{
+    const Box box{point_of(lower, "lower"), point_of(upper, "upper")};
+    if (box.empty()) refuse("lower", "must be at most upper along each axis, and no NaN");
+    return box;
+}
+
 std::vector<TriangleCorners> corners_of(const py::handle& object, const char* name)
 {
     return indices_of<3>(object, name, "triangle ");
@@ -144,7 +153,11 @@ std::vector<std::int64_t> integers_of(const py::handle& object, const char* name
                                  given.size() == 0); // an empty list has dtype float64
     if (!whole || given.ndim() > 1) refuse(name, std::string("must be ") + wanted);
     const py::array_t<std::int64_t, py::array::c_style | py::array::forcecast> array(given);
-    return {array.data(), array.data() + array.size()};
+    std::vector<std::int64_t> integers(array.data(), array.data() + array.size());
+    const bool is_unsigned = given.dtype().kind() == 'u';
+    if (is_unsigned && std::ranges::any_of(integers, [](std::int64_t i) { return i < 0; }))
+        refuse(name, "has a number of 2^63 or more");
+    return integers;
 }
 
 Poses poses_of(const py::object& object)

@@ -36,6 +36,9 @@ private:
 /// A point or direction of shape (3,).
 [[nodiscard]] Vec3 point_of(const py::handle& object, const char* name);
 
+/// The box between two corners of shape (3,), which may be infinite.
+[[nodiscard]] Box box_between(const py::handle& lower, const py::handle& upper);
+
 /// Corner indices of shape (n, 3), of any integers.
 [[nodiscard]] std::vector<TriangleCorners> corners_of(const py::handle& object, const char* name);
 

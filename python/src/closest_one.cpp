@@ -100,19 +100,24 @@ std::optional<Vec3> point_of_arguments(PyObject* const* arguments, Py_ssize_t co
     return std::nullopt;
 }
 
-/// The index in a bound object of exactly the class Index or one derived from it.
-const MeshIndex& index_of(PyObject* self)
+/// The index in a bound object of exactly the class Index or one derived from it; null in one that __new__ made.
+const MeshIndex* index_of(PyObject* self)
 {
     const auto* const instance =
         static_cast<const py::detail::instance*>(static_cast<const void*>(self));
-    return *static_cast<const MeshIndex*>(instance->simple_value_holder[0]);
+    return static_cast<const MeshIndex*>(instance->simple_value_holder[0]);
 }
 
 PyObject* find_closest(PyObject* self, PyObject* const* arguments, Py_ssize_t count)
 {
     const std::optional<Vec3> point = point_of_arguments(arguments, count);
     if (!point) return nullptr;
-    const std::optional<ClosestFeature> closest = closest_feature(index_of(self), *point);
+    const MeshIndex* const index = index_of(self);
+    if (index == nullptr) {
+        PyErr_SetString(PyExc_TypeError, without_value);
+        return nullptr;
+    }
+    const std::optional<ClosestFeature> closest = closest_feature(*index, *point);
     if (!closest) refuse("point", "is not finite");
     PyObject* const answer = closest_one_type->tp_alloc(closest_one_type, 0);
     if (answer == nullptr) return nullptr;

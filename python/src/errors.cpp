@@ -64,10 +64,42 @@ py::handle type_of(ErrorCode code) noexcept
 
 } // namespace
 
+std::uint64_t count_of(Integer count, const char* name, std::int64_t most, std::int64_t least)
+{
+    if (count.value >= least && count.value <= most) return static_cast<std::uint64_t>(count.value);
+    const std::string from = std::to_string(least);
+    refuse(name, most == any_count ? "must be " + from + " or more"
+                                   : "must be from " + from + " to " + std::to_string(most));
+}
+
+void check_not_negative(double number, const char* name)
+{
+    if (!(number >= 0))
+        refuse(name, "must be 0 or more, is " + py::str(py::float_(number)).cast<std::string>());
+}
+
+void refuse_object(const py::handle& object, const char* name, const char* wanted)
+{
+    throw py::type_error(std::string(name) + ": must be " + wanted + ", is a " + type_name(object));
+}
+
+std::string text_of(const py::handle& text)
+{
+    const auto bytes = py::reinterpret_steal<py::bytes>(
+        PyUnicode_AsEncodedString(text.ptr(), "utf-8", "backslashreplace"));
+    if (!bytes) throw py::error_already_set();
+    return bytes;
+}
+
 void set_error(const Failure& failure)
 {
     const ErrorCode code = failure.error().code;
-    py::object exception = py::reinterpret_borrow<py::object>(type_of(code))(failure.what());
+    // Names of files need not be UTF-8.
+    const std::string& said = failure.text();
+    const auto text = py::reinterpret_steal<py::object>(PyUnicode_DecodeUTF8(
+        said.data(), static_cast<py::ssize_t>(said.size()), "backslashreplace"));
+    if (!text) throw py::error_already_set();
+    py::object exception = py::reinterpret_borrow<py::object>(type_of(code))(text);
     exception.attr("code") = name_of(code);
     PyErr_SetObject(type_of(code).ptr(), exception.ptr());
 }

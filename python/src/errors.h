@@ -8,10 +8,12 @@
 //       Cancelled
 #pragma once
 
+#include "integer.h"
 #include "proxima/result.h"
 
 #include <cstdint>
 #include <exception>
+#include <limits>
 #include <pybind11/pybind11.h>
 #include <string>
 #include <utility>
@@ -26,6 +28,7 @@ public:
     explicit Failure(Error error) : error_(std::move(error)), text_(describe(error_)) {}
     [[nodiscard]] const char* what() const noexcept override { return text_.c_str(); }
     [[nodiscard]] const Error& error() const noexcept { return error_; }
+    [[nodiscard]] const std::string& text() const noexcept { return text_; }
 
 private:
     Error error_;
@@ -38,19 +41,27 @@ private:
     throw Failure({ErrorCode::invalid_argument, std::move(message), std::move(argument)});
 }
 
-/// A count from 0 to `most`; refuses others.
-[[nodiscard]] inline std::uint32_t count_of(std::int64_t count, const char* name,
-                                            std::uint32_t most)
-{
-    if (count < 0 || count > most) refuse(name, "must be from 0 to " + std::to_string(most));
-    return static_cast<std::uint32_t>(count);
-}
+/// What counts may be where nothing else bounds them.
+inline constexpr std::int64_t any_count = std::numeric_limits<std::int64_t>::max();
+
+/// A count from `least` to `most`; refuses others.
+[[nodiscard]] std::uint64_t count_of(Integer count, const char* name, std::int64_t most = any_count,
+                                     std::int64_t least = 0);
+
+/// Refuses numbers below 0 and NaN.
+void check_not_negative(double number, const char* name);
 
 /// The name of an object's type, for messages.
 [[nodiscard]] inline std::string type_name(const py::handle& object)
 {
     return Py_TYPE(object.ptr())->tp_name;
 }
+
+/// The characters of a str. Those that UTF-8 has not, as of half a surrogate pair, are escaped.
+[[nodiscard]] std::string text_of(const py::handle& text);
+
+/// Refuses an object of another type. `wanted` says what it must be: "a proxima.Motion".
+[[noreturn]] void refuse_object(const py::handle& object, const char* name, const char* wanted);
 
 template <class T>
 [[nodiscard]] T value_of(Result<T> result)

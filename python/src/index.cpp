@@ -23,13 +23,11 @@ std::optional<ListOptions> list_options_of(const py::object& lists)
     if (lists.ptr() == Py_True) return ListOptions{};
     if (!py::isinstance<py::int_>(lists))
         refuse("lists", "must be False, True or a number of bytes");
-    const auto bytes = lists.cast<long long>();
-    if (bytes <= 0) refuse("lists", "must be False, True or a number of bytes above 0");
-    return ListOptions{.list_bytes = static_cast<std::uint64_t>(bytes)};
+    return ListOptions{.list_bytes = count_of(lists.cast<Integer>(), "lists", any_count, 1)};
 }
 
 MeshIndex build(const TriangleMesh& mesh, const py::object& lists, bool distances, bool signs,
-                int threads, const py::object& progress)
+                Integer threads, const py::object& progress)
 {
     const auto list_options = list_options_of(lists);
     const Threads thread_count = threads_of(threads);
@@ -63,7 +61,7 @@ MeshIndex load(const std::filesystem::path& path, bool map, const py::object& pr
 }
 
 MeshIndex refit(const MeshIndex& self, const py::object& vertices, const py::object& given,
-                int threads, const py::object& progress)
+                Integer threads, const py::object& progress)
 {
     const PointsArgument positions(vertices, "vertices");
     if (positions.size() != self.vertex_count()) {
@@ -72,7 +70,7 @@ MeshIndex refit(const MeshIndex& self, const py::object& vertices, const py::obj
                                std::to_string(positions.size()));
     }
     if (!given.is_none() && !py::isinstance<MeshTopology>(given))
-        throw py::type_error("topology: must be a proxima.Topology, is a " + type_name(given));
+        refuse_object(given, "topology", "a proxima.Topology");
     const Topology* const topology =
         given.is_none() ? nullptr : &given.cast<const MeshTopology&>().topology;
     const Threads thread_count = threads_of(threads);
@@ -107,10 +105,7 @@ std::string represent(const MeshIndex& index)
 MeshIndex index_of(const py::object& model, const char* wanted)
 {
     if (py::isinstance<MeshIndex>(model)) return model.cast<const MeshIndex&>();
-    if (!py::isinstance<TriangleMesh>(model)) {
-        throw py::type_error(std::string("model: must be ") + wanted + ", is a " +
-                             type_name(model));
-    }
+    if (!py::isinstance<TriangleMesh>(model)) refuse_object(model, "model", wanted);
     const auto& mesh = model.cast<const TriangleMesh&>();
     return run(py::none(), Duration::lengthy, [&](Progress* watched) {
         return build_mesh_index(mesh, {.execution = {.progress = watched}});
@@ -148,7 +143,7 @@ map=True uses the file's own pages, which processes share: the file must not be 
 or InvalidInput for a file that is damaged or none of ours.)")
         .def(
             "with_lists",
-            [](const MeshIndex& self, const py::object& lists, int threads,
+            [](const MeshIndex& self, const py::object& lists, Integer threads,
                const py::object& progress) {
                 ListOptions options = list_options_of(lists).value_or(ListOptions{});
                 options.execution.threads = threads_of(threads);
@@ -162,7 +157,7 @@ or InvalidInput for a file that is damaged or none of ours.)")
             "The index with closest-feature lists; shares all else. See Index for `lists`.")
         .def(
             "with_distances",
-            [](const MeshIndex& self, int threads, const py::object& progress) {
+            [](const MeshIndex& self, Integer threads, const py::object& progress) {
                 const Threads thread_count = threads_of(threads);
                 return run(progress, Duration::lengthy, [&](Progress* watched) {
                     return with_slabs(
@@ -173,7 +168,7 @@ or InvalidInput for a file that is damaged or none of ours.)")
             "The index with what makes distances between meshes faster; shares all else.")
         .def(
             "with_signs",
-            [](const MeshIndex& self, int threads, const py::object& progress) {
+            [](const MeshIndex& self, Integer threads, const py::object& progress) {
                 const Threads thread_count = threads_of(threads);
                 return run(progress, Duration::lengthy, [&](Progress* watched) {
                     return proxima::with_signs(

@@ -4,8 +4,10 @@
 #include "proxima/signed_distance.h"
 #include "run.h"
 
+#include <algorithm>
 #include <array>
-#include <pybind11/stl.h>
+#include <cstddef>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -49,10 +51,25 @@ void check_output(const py::object& object, const char* name, std::size_t rows, 
     }
 }
 
+std::vector<std::string> column_names(const py::object& columns)
+{
+    const char* const wanted = R"(a tuple of names, such as ("distance", "triangle"))";
+    if (py::isinstance<py::str>(columns) || !py::isinstance<py::sequence>(columns))
+        refuse_object(columns, "columns", wanted);
+    std::vector<std::string> names;
+    for (const py::handle& name : py::reinterpret_borrow<py::sequence>(columns)) {
+        if (!py::isinstance<py::str>(name)) refuse_object(name, "columns", wanted);
+        names.push_back(text_of(name));
+    }
+    return names;
+}
+
 ClosestArrays closest_arrays(std::size_t size, const py::object& columns, const py::object& out)
 {
     ClosestArrays arrays;
     if (!out.is_none()) {
+        if (!py::isinstance(out, result_type("Closest")))
+            refuse_object(out, "out", "a proxima.Closest");
         if (!columns.is_none()) refuse("columns", "are those of out: leave them out");
         const auto all = arrays.all();
         for (std::size_t i = 0; i < all.size(); ++i) *all[i] = out.attr(closest_columns[i]);
@@ -65,7 +82,7 @@ ClosestArrays closest_arrays(std::size_t size, const py::object& columns, const 
         return arrays;
     }
     std::vector<std::string> wanted(closest_columns.begin(), closest_columns.end());
-    if (!columns.is_none()) wanted = columns.cast<std::vector<std::string>>();
+    if (!columns.is_none()) wanted = column_names(columns);
     for (const std::string& name : wanted) {
         if (name == "distance") {
             arrays.distance = new_array<double>(size);
@@ -94,11 +111,26 @@ std::span<As> elements_of_any(const py::object& object)
     return elements_of<As>(array);
 }
 
-py::object closest(const MeshIndex& index, const py::object& points, const py::object& columns,
-                   const py::object& out, int threads, const py::object& progress)
+/// Whether writing to an array may change points that are still to be read.
+bool shares_memory(const py::object& array, std::span<const Vec3> points)
 {
-    const PointsArgument argument(points, "points");
+    if (array.is_none()) return false;
+    const auto given = py::reinterpret_borrow<py::array>(array);
+    const auto* const begin = static_cast<const std::byte*>(given.data());
+    const auto bytes = std::as_bytes(points);
+    return begin < bytes.data() + bytes.size() && bytes.data() < begin + given.nbytes();
+}
+
+py::object closest(const MeshIndex& index, const py::object& points, const py::object& columns,
+                   const py::object& out, Integer threads, const py::object& progress)
+{
+    PointsArgument argument(points, "points");
     ClosestArrays arrays = closest_arrays(argument.size(), columns, out);
+    const auto shares = [&](const py::object* array) {
+        return shares_memory(*array, argument.points());
+    };
+    if (!out.is_none() && std::ranges::any_of(arrays.all(), shares))
+        argument = PointsArgument(py::array(points.attr("copy")()), "points");
     const ClosestOutputs outputs{
         .triangles = elements_of_any<TriangleId, std::int32_t>(arrays.triangle),
         .distances = elements_of_any<double, double>(arrays.distance),
@@ -117,7 +149,7 @@ py::object closest(const MeshIndex& index, const py::object& points, const py::o
 }
 
 py::object signed_distance_of(const MeshIndex& index, const py::object& points, bool method,
-                              int threads, const py::object& progress)
+                              Integer threads, const py::object& progress)
 {
     if (!index.has_signs())
         refuse("index", "has no signs: build it with signs=True, or call with_signs()");

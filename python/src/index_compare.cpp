@@ -4,6 +4,9 @@
 #include "run.h"
 
 #include <array>
+#include <cmath>
+#include <optional>
+#include <string>
 
 namespace proxima::python {
 
@@ -14,13 +17,61 @@ py::array_t<double> bounds_array(const DistanceBounds& bounds)
     return array_of<double>(std::span<const double>(std::array{bounds.lower, bounds.upper}));
 }
 
-/// Bounds that Python handed back: of a field of a Deviation.
-DistanceBounds bounds_of(const py::object& deviation, const char* field)
-{
-    const py::array_t<double> bounds = doubles_of(deviation.attr(field), field);
-    if (bounds.size() != 2) refuse(field, "must be a lower and an upper bound");
-    return {bounds.data()[0], bounds.data()[1]};
-}
+/// A Deviation that Python hands back.
+class DeviationArgument {
+public:
+    DeviationArgument(const py::object& deviation, const char* name)
+        : deviation_(deviation), name_(name)
+    {
+        if (!py::isinstance(deviation, result_type("Deviation")))
+            refuse_object(deviation, name, "a proxima.Deviation");
+    }
+
+    [[nodiscard]] DistanceBounds bounds(const char* field) const
+    {
+        const auto numbers = numbers_of(field, 2);
+        if (!(0 <= numbers.at(0) && numbers.at(0) <= numbers.at(1)))
+            refuse(path_of(field), "must be a lower bound of 0 or more and an upper one no less");
+        return {numbers.at(0), numbers.at(1)};
+    }
+
+    [[nodiscard]] std::optional<MeanDeviation> mean() const
+    {
+        if (deviation_.attr("mean").is_none()) return std::nullopt;
+        MeanDeviation mean;
+        mean.mean = bounds("mean");
+        mean.root_mean_square = bounds("root_mean_square");
+        mean.area = not_negative("area");
+        mean.area_error = not_negative("area_error");
+        return mean;
+    }
+
+private:
+    [[nodiscard]] std::string path_of(const char* field) const
+    {
+        return std::string(name_) + "." + field;
+    }
+
+    [[nodiscard]] py::array_t<double> numbers_of(const char* field, py::ssize_t count) const
+    {
+        const std::string path = path_of(field);
+        auto numbers = doubles_of(deviation_.attr(field), path.c_str());
+        const bool fits =
+            count == 1 ? numbers.ndim() == 0 : numbers.ndim() == 1 && numbers.shape(0) == count;
+        if (!fits) refuse(path, count == 1 ? "must be a number" : "must be two numbers");
+        return numbers;
+    }
+
+    [[nodiscard]] double not_negative(const char* field) const
+    {
+        const double number = *numbers_of(field, 1).data();
+        check_not_negative(number, path_of(field).c_str());
+        return number;
+    }
+
+    const py::object& deviation_;
+    const char* name_;
+};
 
 py::object columns_of(std::span<const FarPlace> places)
 {
@@ -42,21 +93,29 @@ py::object columns_of(std::span<const FarPlace> places)
 }
 
 py::object deviation(const MeshIndex& index, const MeshIndex& other, double tolerance, bool mean,
-                     double mean_tolerance, std::int64_t max_places, double place_spacing,
-                     std::int64_t bins, double histogram_end, std::uint64_t max_splits, int threads,
+                     double mean_tolerance, Integer max_places, double place_spacing, Integer bins,
+                     double histogram_end, Integer max_splits, Integer threads,
                      const py::object& progress)
 {
-    if (bins != 0 && !mean) refuse("bins", "a histogram needs mean=True");
+    // Before the work, and by the names that they have here.
+    check_not_negative(tolerance, "tolerance");
+    check_not_negative(mean_tolerance, "mean_tolerance");
+    check_not_negative(place_spacing, "place_spacing");
+    if (!(histogram_end >= 0 && std::isfinite(histogram_end)))
+        refuse("histogram_end", "must be finite and 0 or more");
+    const std::uint64_t place_count = count_of(max_places, "max_places", max_deviation_places);
+    const std::uint64_t bin_count = count_of(bins, "bins", max_histogram_bins);
+    const std::uint64_t split_count = count_of(max_splits, "max_splits");
+    if (bin_count != 0 && !mean) refuse("bins", "a histogram needs mean=True");
     Execution execution{.threads = threads_of(threads)};
-    GreatestDeviationOptions greatest_options{
-        .tolerance = tolerance,
-        .max_places = count_of(max_places, "max_places", max_deviation_places),
-        .place_spacing = place_spacing,
-        .max_splits = max_splits};
+    GreatestDeviationOptions greatest_options{.tolerance = tolerance,
+                                              .max_places = static_cast<std::uint32_t>(place_count),
+                                              .place_spacing = place_spacing,
+                                              .max_splits = split_count};
     MeanDeviationOptions mean_options{.tolerance = mean_tolerance,
-                                      .histogram_bins = count_of(bins, "bins", max_histogram_bins),
+                                      .histogram_bins = static_cast<std::uint32_t>(bin_count),
                                       .histogram_end = histogram_end,
-                                      .max_splits = max_splits};
+                                      .max_splits = split_count};
     const auto measure = [&](auto&& function, auto& options) {
         return run(progress, Duration::lengthy, [&](Progress* watched) {
             execution.progress = watched;
@@ -81,7 +140,7 @@ py::object deviation(const MeshIndex& index, const MeshIndex& other, double tole
             columns["histogram_end"] = mean_options.histogram_end;
         }
     }
-    if (max_places > 0) {
+    if (place_count > 0) {
         columns["places"] = columns_of(greatest.places);
         columns["all_places"] = greatest.has_all_places;
     }
@@ -92,19 +151,15 @@ py::object deviation(const MeshIndex& index, const MeshIndex& other, double tole
 
 py::object two_sided(const py::object& there, const py::object& back)
 {
-    const auto mean_of = [](const py::object& deviation) {
-        MeanDeviation mean;
-        mean.mean = bounds_of(deviation, "mean");
-        mean.root_mean_square = bounds_of(deviation, "root_mean_square");
-        mean.area = deviation.attr("area").cast<double>();
-        mean.area_error = deviation.attr("area_error").cast<double>();
-        return mean;
-    };
+    const DeviationArgument a_to_b(there, "there");
+    const DeviationArgument b_to_a(back, "back");
     const auto greatest =
-        bounds_array(both_ways(bounds_of(there, "greatest"), bounds_of(back, "greatest")));
+        bounds_array(both_ways(a_to_b.bounds("greatest"), b_to_a.bounds("greatest")));
     const py::object type = result_type("TwoSidedDeviation");
-    if (there.attr("mean").is_none() || back.attr("mean").is_none()) return type(greatest);
-    const TwoSidedMean both = both_ways(mean_of(there), mean_of(back));
+    const auto mean_there = a_to_b.mean();
+    const auto mean_back = b_to_a.mean();
+    if (!mean_there || !mean_back) return type(greatest);
+    const TwoSidedMean both = both_ways(*mean_there, *mean_back);
     return type(greatest, bounds_array(both.mean), bounds_array(both.root_mean_square),
                 bounds_array(both.larger_mean), bounds_array(both.larger_root_mean_square));
 }

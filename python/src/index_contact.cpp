@@ -27,14 +27,15 @@ py::array second_of_pairs(std::span<const TrianglePair> pairs)
     return array;
 }
 
-py::object self_intersections(const MeshIndex& index, std::size_t max_pairs, int threads,
+py::object self_intersections(const MeshIndex& index, Integer max_pairs, Integer threads,
                               const py::object& progress)
 {
     const Threads thread_count = threads_of(threads);
+    const std::size_t most = count_of(max_pairs, "max_pairs");
     const SelfIntersections found = run(progress, Duration::lengthy, [&](Progress* watched) {
         return find_self_intersections(
             index,
-            {.max_pairs = max_pairs, .execution = {.threads = thread_count, .progress = watched}});
+            {.max_pairs = most, .execution = {.threads = thread_count, .progress = watched}});
     });
     return result_type("SelfIntersections")(first_of_pairs(found.pairs),
                                             second_of_pairs(found.pairs), found.complete);

@@ -1,4 +1,5 @@
 #include "arrays.h"
+#include "base/memory_budget.h"
 #include "index_methods.h"
 #include "proxima/distance_field.h"
 #include "run.h"
@@ -48,14 +49,19 @@ Box box_of(const MeshIndex& index, const py::object& box)
     return bounds_of(index);
 }
 
-py::object distance_field_of(const MeshIndex& index, std::uint32_t resolution, double spacing,
+py::object distance_field_of(const MeshIndex& index, Integer resolution, double spacing,
                              double margin, const py::object& box, double band, bool gradient,
-                             bool method, int threads, const py::object& progress)
+                             bool method, Integer threads, const py::object& progress)
 {
     if (!index.has_signs())
         refuse("index", "has no signs: build it with signs=True, or call with_signs()");
+    constexpr std::int64_t most = std::numeric_limits<std::uint32_t>::max();
+    const auto points = static_cast<std::uint32_t>(count_of(resolution, "resolution", most));
     const PointGrid grid = value_of(grid_around(
-        box_of(index, box), {.resolution = resolution, .spacing = spacing, .margin = margin}));
+        box_of(index, box), {.resolution = points, .spacing = spacing, .margin = margin}));
+    const std::uint64_t bytes_of_point = sizeof(double) * (gradient ? 4 : 1) + (method ? 1 : 0);
+    value_of(check_budget({}, grid.point_count() * bytes_of_point, "the field",
+                          "take a lower resolution or a wider spacing"));
     const py::object distances = grid_array<double>(grid, 0);
     py::object gradients = py::none();
     py::object methods = py::none();

@@ -1,4 +1,5 @@
 #include "arrays.h"
+#include "base/memory_budget.h"
 #include "index_methods.h"
 #include "proxima/function_ref.h"
 #include "proxima/neighbourhood.h"
@@ -41,7 +42,7 @@ py::object within(const MeshIndex& index, const py::object& points, double radiu
                   const py::object& progress)
 {
     const PointsArgument argument(points, "points");
-    if (!(radius >= 0)) refuse("radius", "must be 0 or more");
+    check_not_negative(radius, "radius");
     std::vector<std::size_t> first{0};
     std::vector<TriangleId> triangles;
     std::vector<TriangleId> buffer(std::min<std::size_t>(index.triangle_count(), 1024));
@@ -60,13 +61,15 @@ py::object within(const MeshIndex& index, const py::object& points, double radiu
         array_of<std::int32_t>(std::span<const TriangleId>(triangles)));
 }
 
-py::object nearest(const MeshIndex& index, const py::object& points, std::int64_t count,
-                   double radius, const py::object& progress)
+py::object nearest(const MeshIndex& index, const py::object& points, Integer count, double radius,
+                   const py::object& progress)
 {
     const PointsArgument argument(points, "points");
-    if (!(count >= 1)) refuse("count", "must be 1 or more");
-    if (!(radius >= 0)) refuse("radius", "must be 0 or more");
-    const auto columns = static_cast<std::size_t>(count);
+    constexpr std::int64_t most = std::numeric_limits<std::int32_t>::max();
+    const std::size_t columns = count_of(count, "count", most, 1);
+    check_not_negative(radius, "radius");
+    value_of(check_budget({}, argument.size() * columns * (sizeof(double) + sizeof(std::int32_t)),
+                          "the answer", "ask for fewer triangles or fewer points at once"));
     auto distances = new_rows<double>(argument.size(), columns);
     auto triangles = new_rows<std::int32_t>(argument.size(), columns);
     double* distance = distances.mutable_data();
@@ -85,8 +88,7 @@ py::object nearest(const MeshIndex& index, const py::object& points, std::int64_
 
 py::array in_box(const MeshIndex& index, const py::object& lower, const py::object& upper)
 {
-    const Box box{point_of(lower, "lower"), point_of(upper, "upper")};
-    if (box.empty()) refuse("lower", "must be at most upper along each axis, and no NaN");
+    const Box box = box_between(lower, upper);
     std::vector<TriangleId> triangles(index.triangle_count());
     triangles.resize(collect_triangles(index, box, triangles).written);
     return array_of<std::int32_t>(std::span<const TriangleId>(triangles));

@@ -15,7 +15,7 @@ constexpr double infinity = std::numeric_limits<double>::infinity();
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 
 py::object intersect(const MeshIndex& index, const MeshIndex& other, const py::object& poses,
-                     bool pairs, int threads, const py::object& progress)
+                     bool pairs, Integer threads, const py::object& progress)
 {
     const Poses moved = poses_of(poses);
     const Threads thread_count = threads_of(threads);
@@ -49,6 +49,7 @@ py::object distance_to(const MeshIndex& index, const MeshIndex& other, const py:
                        double farthest, const py::object& progress)
 {
     const Poses moved = poses_of(poses);
+    check_not_negative(farthest, "farthest");
     const std::size_t count = moved.poses.size();
     auto distance = new_array<double>(count);
     auto point_a = new_rows<double>(count, 3);

@@ -85,7 +85,7 @@ namespace {
 
 py::object cast_rays(const MeshIndex& index, const py::object& origins,
                      const py::object& directions, const py::object& t_min, const py::object& t_max,
-                     const std::string& hits, const std::string& faces, int threads,
+                     const std::string& hits, const std::string& faces, Integer threads,
                      const py::object& progress)
 {
     const std::vector<Ray> rays = rays_of(origins, directions, t_min, t_max);

@@ -26,12 +26,13 @@ py::object finding_of(const MeshFinding& finding)
         rows_of(finding.first_positions), finding.meaning);
 }
 
-py::object report(const TriangleMesh& mesh, std::size_t max_ids, int threads,
+py::object report(const TriangleMesh& mesh, Integer max_ids, Integer threads,
                   const py::object& progress)
 {
     const Threads thread_count = threads_of(threads);
+    const std::size_t most_ids = count_of(max_ids, "max_ids");
     const MeshReport found = run(progress, Duration::lengthy, [&](Progress* watched) {
-        return report_mesh(mesh, {.max_ids = max_ids,
+        return report_mesh(mesh, {.max_ids = most_ids,
                                   .execution = {.threads = thread_count, .progress = watched}});
     });
     py::list findings;
@@ -64,7 +65,7 @@ py::object report(const TriangleMesh& mesh, std::size_t max_ids, int threads,
     return result_type("Report")(**columns);
 }
 
-py::object repair(const TriangleMesh& mesh, const MeshRepairOptions& options, int threads,
+py::object repair(const TriangleMesh& mesh, const MeshRepairOptions& options, Integer threads,
                   const py::object& progress)
 {
     MeshRepairOptions own = options;
@@ -130,8 +131,8 @@ examined: Index.self_intersections() does that. Any number of threads may call i
             "repair",
             [](const TriangleMesh& self, bool weld, double weld_distance, bool drop_non_finite,
                bool drop_degenerate, bool drop_zero_area, bool drop_duplicates,
-               double min_component_area, std::uint64_t min_component_triangles, bool orient,
-               bool turn_outward, bool keep_cavities, bool drop_unused_vertices, int threads,
+               double min_component_area, Integer min_component_triangles, bool orient,
+               bool turn_outward, bool keep_cavities, bool drop_unused_vertices, Integer threads,
                const py::object& progress) {
                 return repair(self,
                               {.drop_non_finite = drop_non_finite,
@@ -141,7 +142,8 @@ examined: Index.self_intersections() does that. Any number of threads may call i
                                .drop_zero_area = drop_zero_area,
                                .drop_duplicates = drop_duplicates,
                                .min_component_area = min_component_area,
-                               .min_component_triangles = min_component_triangles,
+                               .min_component_triangles =
+                                   count_of(min_component_triangles, "min_component_triangles"),
                                .orient = orient,
                                .turn_outward = turn_outward,
                                .keep_cavities = keep_cavities,

@@ -142,8 +142,7 @@ InvalidInput without points or with NaN.)")
         .def_static(
             "box",
             [](const py::object& lower, const py::object& upper) {
-                return value_of(
-                    polyhedron_of_box({point_of(lower, "lower"), point_of(upper, "upper")}));
+                return value_of(polyhedron_of_box(box_between(lower, upper)));
             },
             py::arg("lower"), py::arg("upper"),
             "An axis-aligned box between two corners, (3,) each.")

@@ -4,6 +4,29 @@
 
 #include <pybind11/pybind11.h>
 
+#include <cstddef>
+
+namespace {
+
+namespace py = pybind11;
+
+/// Where an object that __new__ made without __init__ is used, pybind11 asks for memory, to which
+/// nothing would be written.
+void refuse_objects_without_value(const py::module_& module)
+{
+    const py::handle type_of_types(
+        static_cast<PyObject*>(static_cast<void*>(py::detail::get_internals().default_metaclass)));
+    for (const auto& [name, thing] : py::dict(module.attr("__dict__"))) {
+        if (!py::isinstance(thing, type_of_types)) continue;
+        auto* const type = static_cast<PyTypeObject*>(static_cast<void*>(thing.ptr()));
+        py::detail::get_type_info(type)->operator_new = [](std::size_t) -> void* {
+            throw py::type_error(proxima::python::without_value);
+        };
+    }
+}
+
+} // namespace
+
 PYBIND11_MODULE(_core, module)
 {
     using namespace proxima::python;
@@ -19,4 +42,5 @@ PYBIND11_MODULE(_core, module)
     bind_solid(module);
     bind_touch_scene(module);
     bind_touch_renderer(module);
+    refuse_objects_without_value(module);
 }

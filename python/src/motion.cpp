@@ -3,6 +3,7 @@
 #include "proxima/time_of_contact.h"
 #include "run.h"
 
+#include <cmath>
 #include <cstdint>
 #include <limits>
 #include <optional>
@@ -15,7 +16,7 @@ namespace {
 RigidMotion motion_of(const py::object& object)
 {
     if (!py::isinstance(object, result_type("Motion")))
-        throw py::type_error("motion: must be a proxima.Motion, is a " + type_name(object));
+        refuse_object(object, "motion", "a proxima.Motion");
     const RigidMotion motion{.start = pose_of(object.attr("start")),
                              .center = point_of(object.attr("center"), "motion.center"),
                              .displacement =
@@ -35,14 +36,14 @@ py::object between(const py::object& from, const py::object& to, const py::objec
 }
 
 py::object first_contact(const MeshIndex& index, const MeshIndex& other, const py::object& motion,
-                         double tolerance, std::int64_t max_steps, const py::object& progress)
+                         double tolerance, Integer max_steps, const py::object& progress)
 {
     const RigidMotion path = motion_of(motion);
     if (!(tolerance >= 0 && tolerance <= 1)) refuse("tolerance", "must be from 0 to 1");
-    if (max_steps < 1 || max_steps > std::numeric_limits<std::uint32_t>::max())
-        refuse("max_steps", "must be from 1 to 4294967295");
-    TimeOfContactOptions options{.tolerance = tolerance,
-                                 .max_steps = static_cast<std::uint32_t>(max_steps)};
+    constexpr std::int64_t most = std::numeric_limits<std::uint32_t>::max();
+    TimeOfContactOptions options{
+        .tolerance = tolerance,
+        .max_steps = static_cast<std::uint32_t>(count_of(max_steps, "max_steps", most, 1))};
     std::optional<TimeOfContact> found;
     run(progress, Duration::lengthy, [&](Progress* watched) -> Status {
         options.execution.progress = watched;
@@ -81,7 +82,9 @@ The center is a point of the moving mesh, in its own coordinates. It moves along
     module.def(
         "pose_at",
         [](const py::object& motion, double time) {
-            return matrix_of(proxima::pose_at(motion_of(motion), time));
+            const RigidMotion path = motion_of(motion);
+            if (!std::isfinite(time)) refuse("time", "must be finite");
+            return matrix_of(proxima::pose_at(path, time));
         },
         py::arg("motion"), py::arg("time"),
         "The pose (3, 4) of a Motion at a time: its start at 0, its end at 1.");

@@ -6,6 +6,7 @@
 #include "run.h"
 
 #include <filesystem>
+#include <limits>
 #include <pybind11/stl/filesystem.h>
 #include <string>
 #include <vector>
@@ -24,21 +25,22 @@ void set_root(OctreeOptions& options, const py::object& root)
         options.root = OctreeFrame{corners.points()[0], corners.points()[1] - corners.points()[0]};
         return;
     }
-    const auto name = root.cast<std::string>();
+    const std::string name = text_of(root);
     if (name != "cube" && name != "box")
         refuse("root", R"(must be "cube", "box" or a box, is ")" + name + "\"");
     options.root_shape = name == "cube" ? RootShape::cube : RootShape::box;
 }
 
-Octree build(const TriangleMesh& mesh, int max_depth, std::uint32_t threshold, bool uniform,
-             const py::object& root, bool classify, int threads, const py::object& progress)
+Octree build(const TriangleMesh& mesh, Integer max_depth, Integer threshold, bool uniform,
+             const py::object& root, bool classify, Integer threads, const py::object& progress)
 {
-    OctreeOptions options{.max_depth = max_depth,
-                          .threshold = threshold,
-                          .subdivision = uniform ? Subdivision::uniform : Subdivision::adaptive,
-                          .classification =
-                              classify ? Classification::inner_outer : Classification::none,
-                          .execution = {.threads = threads_of(threads)}};
+    constexpr std::int64_t most = std::numeric_limits<std::uint32_t>::max();
+    OctreeOptions options{
+        .max_depth = static_cast<int>(count_of(max_depth, "max_depth", max_octree_depth)),
+        .threshold = static_cast<std::uint32_t>(count_of(threshold, "threshold", most)),
+        .subdivision = uniform ? Subdivision::uniform : Subdivision::adaptive,
+        .classification = classify ? Classification::inner_outer : Classification::none,
+        .execution = {.threads = threads_of(threads)}};
     set_root(options, root);
     return run(progress, Duration::lengthy, [&](Progress* watched) {
         options.execution.progress = watched;

@@ -3,6 +3,7 @@
 #include <chrono>
 #include <condition_variable>
 #include <exception>
+#include <limits>
 #include <mutex>
 #include <thread>
 
@@ -59,7 +60,9 @@ void look_after(Progress& progress, const py::object& callback)
     if (PyErr_CheckSignals() != 0) throw py::error_already_set();
     if (callback.is_none()) return;
     const py::object answer = callback(progress.stage(), progress.fraction());
-    if (answer.ptr() == Py_False) progress.cancel();
+    py::detail::make_caster<bool> truth;
+    const bool is_truth = truth.load(answer, false); // True, False, and NumPy's
+    if (is_truth && !static_cast<bool>(truth)) progress.cancel();
 }
 
 void run_watched(const py::object& callback, FunctionRef<void(Progress*)> work)
@@ -90,6 +93,8 @@ void run_watched(const py::object& callback, FunctionRef<void(Progress*)> work)
 
 void run_unlocked(const py::object& callback, Duration duration, FunctionRef<void(Progress*)> work)
 {
+    if (!callback.is_none() && PyCallable_Check(callback.ptr()) == 0)
+        refuse_object(callback, "progress", "None or a function of a stage and a fraction");
     if (duration == Duration::lengthy || !callback.is_none()) {
         run_watched(callback, work);
     } else {
@@ -98,10 +103,9 @@ void run_unlocked(const py::object& callback, Duration duration, FunctionRef<voi
     }
 }
 
-Threads threads_of(int count)
+Threads threads_of(Integer count)
 {
-    if (count < 0) refuse("threads", "must be 0 (all of the machine's) or more");
-    return {count};
+    return {static_cast<int>(count_of(count, "threads", std::numeric_limits<int>::max()))};
 }
 
 } // namespace proxima::python

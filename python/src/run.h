@@ -30,6 +30,6 @@ auto run(const py::object& callback, Duration duration, Work&& work)
 }
 
 /// The number of threads of an argument: 0 = all.
-[[nodiscard]] Threads threads_of(int count);
+[[nodiscard]] Threads threads_of(Integer count);
 
 } // namespace proxima::python

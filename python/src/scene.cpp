@@ -16,13 +16,12 @@ std::vector<MeshIndex> shapes_of(const py::object& object)
 {
     if (py::isinstance<MeshIndex>(object)) return {object.cast<const MeshIndex&>()};
     if (!py::isinstance<py::sequence>(object))
-        throw py::type_error("shapes: must be one proxima.Index or a list of them, is a " +
-                             type_name(object));
+        refuse_object(object, "shapes", "one proxima.Index or a list of them");
     std::vector<MeshIndex> shapes;
     for (const py::handle& item : py::reinterpret_borrow<py::sequence>(object)) {
         if (!py::isinstance<MeshIndex>(item)) {
-            throw py::type_error("shapes: element " + std::to_string(shapes.size()) +
-                                 " must be a proxima.Index, is a " + type_name(item));
+            refuse_object(item, ("shapes[" + std::to_string(shapes.size()) + "]").c_str(),
+                          "a proxima.Index");
         }
         shapes.push_back(item.cast<const MeshIndex&>());
     }
@@ -58,7 +57,7 @@ std::vector<std::uint32_t> numbers_of(const py::object& object, const char* name
 }
 
 Scene build(const py::object& shapes, const py::object& poses, const py::object& shape,
-            const py::object& layers, int threads, const py::object& progress)
+            const py::object& layers, Integer threads, const py::object& progress)
 {
     const std::vector<MeshIndex> indexes = shapes_of(shapes);
     const std::vector<RigidTransform> placed = placements_of(poses);
@@ -77,7 +76,7 @@ Scene build(const py::object& shapes, const py::object& poses, const py::object&
     });
 }
 
-Scene move(const Scene& self, const py::object& poses, int threads, const py::object& progress)
+Scene move(const Scene& self, const py::object& poses, Integer threads, const py::object& progress)
 {
     const std::vector<RigidTransform> placed = placements_of(poses);
     const Threads thread_count = threads_of(threads);

@@ -10,7 +10,7 @@ namespace proxima::python {
 
 namespace {
 
-ScenePairOptions pair_options(const py::object& layers, const py::object& others, int threads)
+ScenePairOptions pair_options(const py::object& layers, const py::object& others, Integer threads)
 {
     return {.layers = layers_of(layers, "layers"),
             .others = layers_of(others, "others"),
@@ -29,7 +29,7 @@ py::object pair_columns(std::span<const InstancePair> pairs)
 }
 
 py::object in_contact(const Scene& self, const py::object& layers, const py::object& others,
-                      int threads, const py::object& progress)
+                      Integer threads, const py::object& progress)
 {
     ScenePairOptions options = pair_options(layers, others, threads);
     return pair_columns(run(progress, Duration::lengthy, [&](Progress* watched) {
@@ -39,7 +39,7 @@ py::object in_contact(const Scene& self, const py::object& layers, const py::obj
 }
 
 py::object boxes_within(const Scene& self, double distance, const py::object& layers,
-                        const py::object& others, int threads, const py::object& progress)
+                        const py::object& others, Integer threads, const py::object& progress)
 {
     ScenePairOptions options = pair_options(layers, others, threads);
     return pair_columns(run(progress, Duration::lengthy, [&](Progress* watched) {
@@ -49,7 +49,7 @@ py::object boxes_within(const Scene& self, double distance, const py::object& la
 }
 
 py::object within(const Scene& self, double distance, const py::object& layers,
-                  const py::object& others, int threads, const py::object& progress)
+                  const py::object& others, Integer threads, const py::object& progress)
 {
     ScenePairOptions options = pair_options(layers, others, threads);
     const auto found = run(progress, Duration::lengthy, [&](Progress* watched) {

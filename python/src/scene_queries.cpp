@@ -24,10 +24,10 @@ const SceneFeature nothing{InstanceId{std::numeric_limits<std::uint32_t>::max()}
                            no_closest_feature(), Vec3::Constant(nan), infinity};
 
 py::object closest(const Scene& self, const py::object& points, double radius,
-                   const py::object& layers, int threads, const py::object& progress)
+                   const py::object& layers, Integer threads, const py::object& progress)
 {
     const PointsArgument argument(points, "points");
-    if (!(radius >= 0)) refuse("radius", "must be 0 or more");
+    check_not_negative(radius, "radius");
     SceneFeatureOptions options{.radius = radius,
                                 .layers = layers_of(layers, "layers"),
                                 .execution = {.threads = threads_of(threads)}};
@@ -81,7 +81,7 @@ private:
 
 py::object cast_rays(const Scene& self, const py::object& origins, const py::object& directions,
                      const py::object& t_min, const py::object& t_max, const std::string& hits,
-                     const std::string& faces, const py::object& layers, int threads,
+                     const std::string& faces, const py::object& layers, Integer threads,
                      const py::object& progress)
 {
     const std::vector<Ray> rays = rays_of(origins, directions, t_min, t_max);
@@ -143,7 +143,7 @@ py::object triangles_in(const Scene& self, std::span<const InstanceRange> ranges
 }
 
 py::object visible(const Scene& self, const py::object& planes, bool triangles, bool exact,
-                   const py::object& layers, int threads, const py::object& progress)
+                   const py::object& layers, Integer threads, const py::object& progress)
 {
     const ViewVolume volume = volume_of(planes);
     SceneCullOptions options{.mode = exact ? CullMode::exact : CullMode::conservative,
@@ -165,9 +165,9 @@ py::object visible(const Scene& self, const py::object& planes, bool triangles, 
 py::array in_box(const Scene& self, const py::object& lower, const py::object& upper,
                  const py::object& layers)
 {
-    const Box box{point_of(lower, "lower"), point_of(upper, "upper")};
-    if (box.empty() || !box.lower.allFinite() || !box.upper.allFinite())
-        refuse("lower", "must be finite, and at most upper along each axis");
+    const Box box = box_between(lower, upper);
+    if (!box.lower.allFinite() || !box.upper.allFinite())
+        refuse("lower", "must be finite, and upper, too");
     std::vector<InstanceId> ids;
     visit_instances(self, box, layers_of(layers, "layers"), [&](InstanceId id) {
         ids.push_back(id);

@@ -11,7 +11,7 @@ namespace proxima::python {
 
 namespace {
 
-Solid build(const py::object& model, int threads, const py::object& progress)
+Solid build(const py::object& model, Integer threads, const py::object& progress)
 {
     const Threads thread_count = threads_of(threads);
     const MeshIndex index = index_of(model, "a proxima.Mesh or Index");
@@ -37,13 +37,14 @@ py::object overlaps(const Solid& self, const Solid& other, const py::object& pos
 }
 
 py::object depth_of(const Solid& self, const Solid& other, const py::object& pose,
-                    std::int64_t max_points, std::int64_t max_directions,
-                    const py::object& progress)
+                    Integer max_points, Integer max_directions, const py::object& progress)
 {
     const RigidTransform moved = pose_of(pose);
-    PenetrationOptions options{
-        .max_points = count_of(max_points, "max_points", max_penetration_search),
-        .max_directions = count_of(max_directions, "max_directions", max_penetration_search)};
+    const auto limit = [](Integer count, const char* name) {
+        return static_cast<std::uint32_t>(count_of(count, name, max_penetration_search));
+    };
+    PenetrationOptions options{.max_points = limit(max_points, "max_points"),
+                               .max_directions = limit(max_directions, "max_directions")};
     const PenetrationDepth found = run(progress, Duration::lengthy, [&](Progress* watched) {
         options.execution.progress = watched;
         return penetration_depth(self, other, moved, options);

@@ -13,10 +13,9 @@ namespace proxima::python {
 
 namespace {
 
-MeshTopology build(const py::object& mesh, int threads, const py::object& progress)
+MeshTopology build(const py::object& mesh, Integer threads, const py::object& progress)
 {
-    if (!py::isinstance<TriangleMesh>(mesh))
-        throw py::type_error("mesh: must be a proxima.Mesh, is a " + type_name(mesh));
+    if (!py::isinstance<TriangleMesh>(mesh)) refuse_object(mesh, "mesh", "a proxima.Mesh");
     MeshTopology built{mesh, &mesh.cast<const TriangleMesh&>(), {}};
     const Threads thread_count = threads_of(threads);
     built.topology = run(progress, Duration::lengthy, [&](Progress* watched) {
@@ -53,7 +52,7 @@ py::array neighbours_of(const MeshTopology& self)
 std::vector<Feature> features_of(const py::object& closest, const Topology& topology)
 {
     if (!py::hasattr(closest, "feature_kind") || !py::hasattr(closest, "feature"))
-        refuse("closest", "must be a Closest or a ClosestOne, is a " + type_name(closest));
+        refuse_object(closest, "closest", "a proxima.Closest or ClosestOne");
     const char* const column = "integers: a column of Closest, or a number";
     const auto kinds = integers_of(closest.attr("feature_kind"), "closest.feature_kind", column);
     const auto ids = integers_of(closest.attr("feature"), "closest.feature", column);
@@ -77,10 +76,10 @@ std::vector<Feature> features_of(const py::object& closest, const Topology& topo
     return features;
 }
 
-py::object patch(const MeshTopology& self, const py::object& closest, int rings,
+py::object patch(const MeshTopology& self, const py::object& closest, Integer rings,
                  const py::object& progress)
 {
-    if (rings < 0) refuse("rings", "must be 0 or more");
+    const std::uint64_t ring_count = count_of(rings, "rings");
     const std::vector<Feature> features = features_of(closest, self.topology);
     std::vector<std::size_t> first{0};
     std::vector<TriangleId> triangles;
@@ -90,8 +89,8 @@ py::object patch(const MeshTopology& self, const py::object& closest, int rings,
         NeighbourhoodScratch scratch(*self.mesh);
         std::vector<TriangleId> buffer(std::min<std::size_t>(self.mesh->triangle_count(), 1024));
         // Beyond as many rings as there are triangles nothing is added.
-        const int enough = static_cast<int>(
-            std::min<std::size_t>(static_cast<std::size_t>(rings), self.mesh->triangle_count()));
+        const int enough =
+            static_cast<int>(std::min<std::uint64_t>(ring_count, self.mesh->triangle_count()));
         std::vector<std::size_t> ends(static_cast<std::size_t>(enough) + 1);
         for (const Feature& feature : features) {
             const auto collect = [&] {

@@ -18,7 +18,7 @@ namespace proxima::python {
 
 /// A scene and the renderers that touch it, each of which keeps it alive. Its methods keep Python's
 /// lock, so that one at a time changes it.
-struct SharedScene {
+struct SharedScene : std::enable_shared_from_this<SharedScene> {
     explicit SharedScene(const Box& box) : bounds(box), scene(box) {}
 
     Box bounds;

@@ -48,17 +48,19 @@ private:
     std::mutex mutex_;
 };
 
+DeviceLimits device_named(const std::string& name)
+{
+    const auto found = find_device(name);
+    if (found) return *found;
+    std::string names;
+    for (const DeviceLimits& known : known_devices()) names += " " + std::string(known.name);
+    refuse("device", "\"" + name + "\" is not known: use one of" + names +
+                         ", or numbers as DeviceLimits has them");
+}
+
 DeviceLimits limits_of(const py::object& device)
 {
-    if (py::isinstance<py::str>(device)) {
-        const auto name = device.cast<std::string>();
-        const auto found = find_device(name);
-        if (found) return *found;
-        std::string names;
-        for (const DeviceLimits& known : known_devices()) names += " " + std::string(known.name);
-        refuse("device", "\"" + name + "\" is not known: use one of" + names +
-                             ", or numbers as DeviceLimits has them");
-    }
+    if (py::isinstance<py::str>(device)) return device_named(text_of(device));
     const py::array_t<double> numbers = doubles_of(device, "device");
     if (numbers.ndim() != 1 || numbers.shape(0) != 4) {
         refuse("device", "must be a name or DeviceLimits: max_force, max_stiffness, max_damping, "
@@ -76,7 +78,7 @@ DeviceLimits limits_of(const py::object& device)
 
 py::object limits_named(const std::string& name)
 {
-    const DeviceLimits limits = limits_of(py::str(name));
+    const DeviceLimits limits = device_named(name);
     return result_type("DeviceLimits")(limits.max_force, limits.max_stiffness, limits.max_damping,
                                        limits.workspace_radius);
 }
@@ -106,7 +108,7 @@ std::unique_ptr<SharedRenderer> make(const py::object& model, const py::object& 
 {
     const DeviceLimits limits = limits_of(device);
     if (py::isinstance<SharedScene>(model)) {
-        auto scene = model.cast<std::shared_ptr<SharedScene>>();
+        auto scene = model.cast<SharedScene&>().shared_from_this();
         const WorkspaceMap map = map_of(scene->bounds, limits, units_per_metre, center);
         HapticRenderer made = value_of(make_haptic_renderer(scene->scene, map, limits, options));
         scene->touched = true;

@@ -25,14 +25,14 @@ std::shared_ptr<SharedScene> make_scene(const py::object& bounds)
     return std::make_shared<SharedScene>(box);
 }
 
-ObjectId object_numbered(const SharedScene& self, std::int64_t object)
+ObjectId object_numbered(const SharedScene& self, Integer object)
 {
     const std::size_t count = self.scene.object_count();
-    if (object < 0 || static_cast<std::uint64_t>(object) >= count) {
+    if (object.value < 0 || static_cast<std::uint64_t>(object.value) >= count) {
         refuse("object", "must be below " + std::to_string(count) + ", the number of objects, is " +
-                             std::to_string(object));
+                             std::to_string(object.value));
     }
-    return ObjectId{static_cast<std::uint32_t>(object)};
+    return ObjectId{static_cast<std::uint32_t>(object.value)};
 }
 
 TouchBodyOptions body_options(const py::object& material, const py::object& texture, bool shading)
@@ -54,7 +54,7 @@ std::uint32_t add(SharedScene& self, const py::object& model, const py::object& 
     return to_index(object);
 }
 
-void move(SharedScene& self, std::int64_t object, const py::object& pose, double seconds,
+void move(SharedScene& self, Integer object, const py::object& pose, double seconds,
           const py::object& velocity, const py::object& spin, double coast_seconds)
 {
     const ObjectMotion motion{.pose = pose_of(pose),
@@ -65,7 +65,7 @@ void move(SharedScene& self, std::int64_t object, const py::object& pose, double
     value_of(self.scene.move(object_numbered(self, object), motion));
 }
 
-void exchange(SharedScene& self, std::int64_t object, const py::object& model,
+void exchange(SharedScene& self, Integer object, const py::object& model,
               const py::object& material, const py::object& texture, bool shading)
 {
     const TouchBody body = body_of(index_of(model, "a proxima.Mesh or Index"),
@@ -75,7 +75,7 @@ void exchange(SharedScene& self, std::int64_t object, const py::object& model,
     self.bodies[to_index(id)] = body;
 }
 
-void deform(SharedScene& self, std::int64_t object, const py::object& vertices, double seconds)
+void deform(SharedScene& self, Integer object, const py::object& vertices, double seconds)
 {
     const PointsArgument positions(vertices, "vertices");
     const ObjectId id = object_numbered(self, object);
@@ -84,15 +84,14 @@ void deform(SharedScene& self, std::int64_t object, const py::object& vertices, 
     value_of(self.scene.deform(id, bent, seconds));
 }
 
-void set_material(SharedScene& self, std::int64_t object, const py::object& material,
-                  double seconds)
+void set_material(SharedScene& self, Integer object, const py::object& material, double seconds)
 {
     const auto numbers = material_of(material);
     if (!numbers) refuse("material", "must be a Material");
     value_of(self.scene.set_material(object_numbered(self, object), *numbers, seconds));
 }
 
-py::array pose(SharedScene& self, std::int64_t object)
+py::array pose(SharedScene& self, Integer object)
 {
     RigidTransform now;
     {
@@ -119,7 +118,7 @@ std::optional<SurfaceTexture> texture_of(const py::object& texture)
 {
     if (texture.is_none()) return std::nullopt;
     if (!py::isinstance(texture, result_type("Texture")))
-        refuse("texture", "must be a Texture, is a " + type_name(texture));
+        refuse_object(texture, "texture", "a proxima.Texture");
     const auto number = [&](const char* name) {
         try {
             return texture.attr(name).cast<double>();
@@ -128,7 +127,7 @@ std::optional<SurfaceTexture> texture_of(const py::object& texture)
         }
     };
     constexpr std::array names = {"none", "grating", "dimples", "noise"};
-    const std::string bump = py::str(texture.attr("bump"));
+    const std::string bump = text_of(py::str(texture.attr("bump")));
     const auto* const shape = std::ranges::find(names, bump);
     if (shape == names.end()) {
         refuse("texture.bump",

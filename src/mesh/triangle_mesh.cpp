@@ -4,10 +4,42 @@
 #include "base/text.h"
 
 #include <algorithm>
+#include <array>
+#include <cstdint>
 #include <limits>
+#include <span>
+#include <string_view>
 #include <utility>
 
 namespace proxima {
+
+namespace {
+
+/// That there are not too many of what becomes triangles: of `things`, a plural.
+Status check_count(std::size_t count, std::string_view things)
+{
+    if (count <= std::numeric_limits<std::int32_t>::max()) return {};
+    return fail(ErrorCode::limit_exceeded,
+                concat("a mesh has at most 2^31 - 1 ", things, ", this one ", count));
+}
+
+/// The same, and that the indices of each are those of positions. Both are named for the message.
+template <std::size_t N>
+Status check_indices(std::span<const std::array<std::uint32_t, N>> things, std::size_t positions,
+                     std::string_view thing, std::string_view position)
+{
+    if (Status status = check_count(things.size(), concat(thing, "s")); !status) return status;
+    for (std::size_t i = 0; i < things.size(); ++i) {
+        for (const std::uint32_t index : things[i]) {
+            if (index < positions) continue;
+            return fail(ErrorCode::invalid_mesh, concat(thing, " ", i, " uses ", position, " ",
+                                                        index, ": there are only ", positions));
+        }
+    }
+    return {};
+}
+
+} // namespace
 
 Result<TriangleMesh> make_triangle_mesh(std::vector<Vec3> positions,
                                         std::vector<TriangleCorners> triangles)
@@ -16,19 +48,9 @@ Result<TriangleMesh> make_triangle_mesh(std::vector<Vec3> positions,
         return fail(ErrorCode::limit_exceeded,
                     concat("a mesh has at most 2^32 - 2 vertices, this one ", positions.size()));
     }
-    if (triangles.size() > std::numeric_limits<std::int32_t>::max()) {
-        return fail(ErrorCode::limit_exceeded,
-                    concat("a mesh has at most 2^31 - 1 triangles, this one ", triangles.size()));
-    }
-    for (std::size_t triangle = 0; triangle < triangles.size(); ++triangle) {
-        for (const std::uint32_t corner : triangles[triangle]) {
-            if (corner >= positions.size()) {
-                return fail(ErrorCode::invalid_mesh,
-                            concat("triangle ", triangle, " uses vertex ", corner,
-                                   " but there are only ", positions.size(), " vertices"));
-            }
-        }
-    }
+    const std::span<const TriangleCorners> corners = triangles;
+    if (Status status = check_indices(corners, positions.size(), "triangle", "vertex"); !status)
+        return tl::unexpected(status.error());
     TriangleMesh mesh;
     mesh.positions_ = std::move(positions);
     mesh.triangles_ = std::move(triangles);
@@ -37,8 +59,9 @@ Result<TriangleMesh> make_triangle_mesh(std::vector<Vec3> positions,
 
 Result<TriangleMesh> mesh_of_points(std::vector<Vec3> positions)
 {
-    const std::size_t most = std::numeric_limits<std::int32_t>::max();
-    std::vector<TriangleCorners> triangles(std::min(positions.size(), most + 1));
+    if (Status status = check_count(positions.size(), "points"); !status)
+        return tl::unexpected(status.error());
+    std::vector<TriangleCorners> triangles(positions.size());
     for (std::size_t i = 0; i < triangles.size(); ++i)
         triangles[i].fill(static_cast<std::uint32_t>(i));
     return make_triangle_mesh(std::move(positions), std::move(triangles));
@@ -47,6 +70,8 @@ Result<TriangleMesh> mesh_of_points(std::vector<Vec3> positions)
 Result<TriangleMesh> mesh_of_segments(std::vector<Vec3> positions,
                                       std::span<const std::array<std::uint32_t, 2>> segments)
 {
+    if (Status status = check_indices(segments, positions.size(), "segment", "point"); !status)
+        return tl::unexpected(status.error());
     std::vector<TriangleCorners> triangles;
     triangles.reserve(segments.size());
     for (const auto& [first, second] : segments) triangles.push_back({first, second, second});

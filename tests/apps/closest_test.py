@@ -11,6 +11,8 @@ import unittest
 from pathlib import Path
 
 from bad_input_test import off
+from mesh_oracle import Mesh, along, bumpy_ball, soup
+from npy_tables import npy, read_npy
 from proxima_program import PROXIMA, ProgramTest, environment_of_program, run
 
 COLUMNS = ["index", "distance", "x", "y", "z", "triangle", "kind", "feature"]
@@ -18,96 +20,6 @@ SIGNS = ["signed_distance", "sign_method"]
 KEYS = ["model", "triangles", "queries", "seconds", "ns_per_query", "build_seconds", "load_seconds", "bytes"]
 KINDS = ["vertex", "edge", "face"]
 METHODS = ["on_surface", "pseudonormal", "winding_number"]
-
-
-def sub(a, b):
-    return tuple(x - y for x, y in zip(a, b))
-
-
-def dot(a, b):
-    return sum(x * y for x, y in zip(a, b))
-
-
-def cross(a, b):
-    return (a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0])
-
-
-def along(a, direction, t):
-    return tuple(x + t * d for x, d in zip(a, direction))
-
-
-class Mesh:
-    """Points, triangles, and edges numbered in order of first appearance."""
-
-    def __init__(self, points, triangles):
-        self.points, self.triangles, self.edges = points, triangles, {}
-        for triangle in triangles:
-            for i in range(3):
-                self.edges.setdefault(frozenset((triangle[i], triangle[(i + 1) % 3])), len(self.edges))
-
-    def features(self, p):
-        """(squared distance, kind, id, point) of all features whose inside holds their closest point."""
-        for id, point in enumerate(self.points):
-            yield dot(sub(p, point), sub(p, point)), 0, id, point
-        for edge, id in self.edges.items():
-            a, b = (self.points[v] for v in sorted(edge))
-            side = sub(b, a)
-            t = dot(sub(p, a), side) / dot(side, side)
-            if 0 < t < 1:
-                point = along(a, side, t)
-                yield dot(sub(p, point), sub(p, point)), 1, id, point
-        for id, triangle in enumerate(self.triangles):
-            a, b, c = (self.points[v] for v in triangle)
-            normal = cross(sub(b, a), sub(c, a))
-            point = along(p, normal, -dot(sub(p, a), normal) / dot(normal, normal))
-            if all(dot(cross(sub(v, u), sub(point, u)), normal) > 0 for u, v in ((a, b), (b, c), (c, a))):
-                yield dot(sub(p, point), sub(p, point)), 2, id, point
-
-    def triangle_of(self, kind, id):
-        if kind == 2:
-            return id
-        edges = {number: edge for edge, number in self.edges.items()}
-        wanted = {id} if kind == 0 else edges[id]
-        return next(i for i, triangle in enumerate(self.triangles) if wanted <= set(triangle))
-
-    def solid_angle(self, p):
-        total = 0
-        for triangle in self.triangles:
-            a, b, c = (sub(self.points[v], p) for v in triangle)
-            la, lb, lc = (math.sqrt(dot(x, x)) for x in (a, b, c))
-            total += 2 * math.atan2(dot(a, cross(b, c)),
-                                    la * lb * lc + dot(a, b) * lc + dot(b, c) * la + dot(c, a) * lb)
-        return total
-
-    def text(self):
-        return off(self.points, self.triangles)
-
-
-def bumpy_ball(rng):
-    """An octahedron split twice, its corners pushed in and out: closed, not convex."""
-    points = [(1.0, 0, 0), (-1.0, 0, 0), (0, 1.0, 0), (0, -1.0, 0), (0, 0, 1.0), (0, 0, -1.0)]
-    triangles = [(0, 2, 4), (2, 1, 4), (1, 3, 4), (3, 0, 4), (2, 0, 5), (1, 2, 5), (3, 1, 5), (0, 3, 5)]
-    for _ in range(2):
-        middles, smaller = {}, []
-
-        def middle(a, b):
-            key = frozenset((a, b))
-            if key not in middles:
-                point = along(points[a], sub(points[b], points[a]), 0.5)
-                length = math.sqrt(dot(point, point))
-                points.append(tuple(x / length for x in point))
-                middles[key] = len(points) - 1
-            return middles[key]
-        for a, b, c in triangles:
-            ab, bc, ca = middle(a, b), middle(b, c), middle(c, a)
-            smaller += [(a, ab, ca), (b, bc, ab), (c, ca, bc), (ab, bc, ca)]
-        triangles = smaller
-    return Mesh([tuple(rng.uniform(0.7, 1.1) * x for x in point) for point in points], triangles)
-
-
-def soup(rng, count):
-    points = [tuple(rng.uniform(-1, 1) for _ in range(3)) for _ in range(3 * count)]
-    return Mesh(points, [(3 * i, 3 * i + 1, 3 * i + 2) for i in range(count)])
 
 
 def queries(rng, mesh, count):
@@ -118,30 +30,8 @@ def queries(rng, mesh, count):
     return points + [(1e3, -2e3, 5e2), (0.0, 0.0, 0.0)]
 
 
-def npy(points, kind="<f8", columns_first=False, shape=None, version=1):
-    """The bytes of a .npy file."""
-    header = "{'descr': '%s', 'fortran_order': %s, 'shape': %s, }" % (kind, columns_first, shape or (len(points), 3))
-    length = struct.pack("<H" if version == 1 else "<I", len(header) + 1)
-    numbers = [p[axis] for axis in range(3) for p in points] if columns_first else [x for p in points for x in p]
-    letter = {"f2": "e", "f4": "f", "f8": "d", "i1": "b", "i2": "h", "i4": "i", "i8": "q", "u1": "B", "u2": "H"}[kind[1:]]
-    if kind[1] != "f":
-        numbers = list(map(int, numbers))
-    return (b"\x93NUMPY" + bytes((version, 0)) + length + header.encode() + b"\n"
-            + struct.pack("%s%d%s" % (kind[0].replace("|", "<"), len(numbers), letter), *numbers))
-
-
 def csv_text(points):
     return "".join(",".join(map(repr, p)) + "\n" for p in points)
-
-
-def read_npy(data):
-    """Rows of a table of float64."""
-    length = struct.unpack_from("<H", data, 8)[0]
-    header = eval(data[10:10 + length])
-    rows, columns = header["shape"]
-    assert (data[:8], header["descr"], header["fortran_order"]) == (b"\x93NUMPY\x01\x00", "<f8", False)
-    assert (10 + length) % 64 == 0 and len(data) == 10 + length + 8 * rows * columns
-    return [struct.unpack_from("<%dd" % columns, data, 10 + length + 8 * columns * i) for i in range(rows)]
 
 
 class Answering(ProgramTest):

@@ -6,7 +6,7 @@ import unittest
 from fractions import Fraction
 
 from bad_input_test import off
-from closest_test import read_npy
+from npy_tables import read_npy
 from proxima_program import ProgramTest, run
 from raycast_test import npy, read_png, some_mesh
 

@@ -7,7 +7,8 @@ import struct
 import unittest
 
 from bad_input_test import off, tetrahedron
-from closest_test import cross, dot, npy, read_npy, sub
+from mesh_oracle import cross, dot, sub
+from npy_tables import npy, read_npy
 from proxima_program import ProgramTest, run
 from raycast_test import some_mesh
 

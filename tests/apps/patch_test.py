@@ -4,7 +4,9 @@ import math
 import random
 import unittest
 
-from closest_test import KINDS, Mesh, bumpy_ball, cross, dot, read_npy, soup, sub, along
+from closest_test import KINDS
+from mesh_oracle import Mesh, along, bumpy_ball, cross, dot, soup, sub
+from npy_tables import read_npy
 from proxima_program import ProgramTest
 
 KEYS = ["model", "triangles", "point", "rings", "radius", "distance", "closest_point", "kind", "feature", "triangle",

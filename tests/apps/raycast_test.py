@@ -8,7 +8,8 @@ import zlib
 from fractions import Fraction
 
 from bad_input_test import off
-from closest_test import cross, dot, read_npy, sub
+from mesh_oracle import cross, dot, sub
+from npy_tables import read_npy
 from proxima_program import ProgramTest
 
 HIT_COLUMNS = ["index", "t", "triangle", "u", "v"]

@@ -5,8 +5,8 @@ import math
 import random
 import unittest
 
-from closest_test import read_npy
 from intersect_test import turned
+from npy_tables import read_npy
 from proxima_program import ProgramTest
 
 KEYS = ["models", "triangles", "instances", "query", "queries", "found", "seconds", "ns_per_query", "index_seconds", "build_seconds",

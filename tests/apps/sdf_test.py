@@ -9,7 +9,7 @@ import struct
 import subprocess
 import unittest
 
-from closest_test import bumpy_ball
+from mesh_oracle import bumpy_ball
 from proxima_program import ProgramTest
 
 KEYS = ["model", "triangles", "size", "origin", "spacing", "band", "least", "most", "inside", "beyond", "build_seconds", "seconds",

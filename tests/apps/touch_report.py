@@ -1,4 +1,5 @@
-"""What `proxima touch` says of a session."""
+"""What `proxima touch` says of a session, and what its simulated hand does."""
+SCRIPTS = ("press", "slide", "stroke", "corner", "poke", "walk")
 KEYS = ["model", "triangles", "device", "build_seconds", "units_per_metre", "center", "stiffness", "damping",
         "static_friction", "dynamic_friction", "radius", "shading", "force", "ticks", "touching_ticks", "sticking_ticks", "passes",
         "limited_ticks", "overloaded_ticks", "faulty_ticks", "moving_ticks", "squeezed_ticks", "max_force", "max_spring", "max_depth", "max_speed",

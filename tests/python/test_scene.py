@@ -189,7 +189,7 @@ def test_instances_in_a_box(world):
     meets = (bounds[:, 0] <= upper).all(axis=1) & (bounds[:, 1] >= lower).all(axis=1)
     assert np.array_equal(world.scene.in_box(lower, upper), np.nonzero(meets & (world.layers > 0))[0]) and meets.sum() > 5
     assert np.array_equal(world.scene.in_box(lower, upper, layers=2), np.nonzero(meets & (world.layers & 2 > 0))[0])
-    with pytest.raises(proxima.InvalidInput, match="lower: must be finite, and at most upper"):
+    with pytest.raises(proxima.InvalidInput, match="lower: must be at most upper along each axis"):
         world.scene.in_box(upper, lower)
 
 
@@ -239,7 +239,7 @@ def test_poses_and_shapes_in_any_form(world):
 @pytest.mark.parametrize("arguments, says", [
     (([], np.eye(4)[None]), "instance 0: its shape is not one"),
     ((0, np.eye(4)), "shapes: must be one proxima.Index or a list of them, is a int"),
-    (([3], np.eye(4)), "shapes: element 0 must be a proxima.Index, is a int"),
+    (([3], np.eye(4)), r"shapes\[0\]: must be a proxima.Index, is a int"),
     ((None, np.eye(3)), r"poses: must have shape \(3, 4\), \(4, 4\), \(n, 3, 4\) or \(n, 4, 4\), has \(3, 3\)"),
     ((None, None), "poses: must have shape .* is None"),
     ((None, np.full((2, 3, 4), np.nan)), "pose 0: "),
@@ -295,7 +295,7 @@ def test_long_work_stops_on_request_and_leaves_others_running(world):
         return len(told) < 3
     with pytest.raises(proxima.Cancelled):
         world.scene.closest(many, threads=1, progress=stop)
-    assert set(told) == {"closest features"} and len(told) == 3
+    assert set(told) - {""} == {"closest features"} and len(told) == 3  # "" before the work begins
     threading.Timer(0.2, lambda: signal.raise_signal(signal.SIGINT)).start()
     with pytest.raises(KeyboardInterrupt):
         for _ in range(200):  # a minute

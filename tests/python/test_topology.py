@@ -100,7 +100,7 @@ def test_refuses_features_of_other_meshes(mesh, index, points):
     for wrong, kind in ((None, "NoneType"), ("x", "str")):
         with pytest.raises(TypeError, match=f"mesh: must be a proxima.Mesh, is a {kind}"):
             proxima.Topology(wrong)
-        with pytest.raises(proxima.InvalidInput, match=f"closest: must be a Closest or a ClosestOne, is a {kind}"):
+        with pytest.raises(TypeError, match=f"closest: must be a proxima.Closest or ClosestOne, is a {kind}"):
             topology.patch(wrong)
     with pytest.raises(proxima.Cancelled):
         large = proxima.Mesh.sample("torus:400x200")

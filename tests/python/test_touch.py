@@ -397,7 +397,6 @@ TURNED = [[2, 0, 0, 0], [0, 1, 0, 0], [0, 0, 1, 0]]
     (lambda w: proxima.TouchScene(BOX).add(w, material=proxima.Material(-1)), "stiffness|material"),
     (lambda w: proxima.TouchScene(BOX).move(0, np.eye(4)), "object: must be below 0, the number of objects, is 0"),
     (lambda w: proxima.TouchScene(BOX).pose(-1), "object: must be below 0, the number of objects, is -1"),
-    (lambda w: proxima.TouchScene(BOX).add(w, texture=3), "texture: must be a Texture, is a int"),
     (lambda w: proxima.TouchRenderer(w, texture=proxima.Texture("wood")),
      'texture.bump: must be "none", "grating", "dimples" or "noise", is "wood"'),
     (lambda w: proxima.TouchRenderer(w, texture=proxima.Texture("noise", "deep")), "texture.amplitude: must be a number"),
@@ -428,6 +427,8 @@ def test_scenes_are_whole_before_they_are_touched(wall):
         proxima.TouchRenderer([])
     with pytest.raises(TypeError, match="model: must be a proxima.Mesh or Index, is a int"):
         scene.add(3)
+    with pytest.raises(TypeError, match="texture: must be a proxima.Texture, is a int"):
+        proxima.TouchScene(BOX).add(wall, texture=3)
     with pytest.raises(proxima.InvalidInput, match="deform|vertices|positions"):
         scene.deform(0, wall.vertices[1:])
     assert "1 objects" in repr(scene) and "a scene" in repr(renderer)

@@ -1,0 +1,56 @@
+"""The programs of the manual that are no examples: those in C and Python run, those in C++ compile."""
+import ctypes
+import re
+import subprocess
+import sys
+import tempfile
+import unittest
+from pathlib import Path
+
+INCLUDES, COMPILER, LIBRARY, ROOT = (sys.argv.pop() for _ in range(4))
+ROOT, LIBRARY = Path(ROOT).resolve(), Path(LIBRARY)
+
+# What the lines of docs/haptic_scenes.md are given.
+IN_A_SCENE = """const Box& bounds, const TriangleMesh& mesh, const RigidTransform& pose, const RigidTransform& next, const WorkspaceMap& map,
+    const Result<TouchBody>& other_body, std::span<const Vec3> positions, const WorkspaceMap& left_map, const WorkspaceMap& right_map,
+    const DeviceLimits& left_limits, const DeviceLimits& right_limits"""
+
+
+def programs(page, language):
+    found = re.findall(rf"^```{language}\n(.*?)```", (ROOT / "docs" / page).read_text(), re.DOTALL | re.MULTILINE)
+    assert found, page
+    return "\n".join(found)
+
+
+class Programs(unittest.TestCase):
+    def run_in(self, folder, *command, **options):
+        done = subprocess.run([str(word) for word in command], cwd=folder, capture_output=True, text=True, **options)
+        self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
+        return done.stdout
+
+    def test_c(self):
+        with tempfile.TemporaryDirectory() as folder:
+            library, mesh = ctypes.CDLL(str(LIBRARY)), ctypes.c_void_p()
+            library.proxima_mesh_sample(b"icosphere:5", ctypes.byref(mesh))
+            library.proxima_mesh_write(mesh, f"{folder}/bunny.ply".encode())
+            library.proxima_mesh_destroy(mesh)
+            Path(folder, "program.c").write_text("#include <proxima/c/proxima.h>\n#include <stdio.h>\nint main(void)\n{\n" +
+                                                 programs("c_interface.md", "c") + 'return printf("%.3f", distance) < 0;\n}\n')
+            self.run_in(folder, COMPILER, "-x", "c", "-std=c99", "-Wall", "-Werror", f"-I{ROOT}/include", "program.c", "-x", "none", LIBRARY,
+                        f"-Wl,-rpath,{LIBRARY.parent}")
+            self.assertEqual(self.run_in(folder, "./a.out"), "-0.900")  # 0.1 off the middle of a sphere
+
+    def test_python_without_a_module(self):
+        code = programs("c_interface.md", "python") + "assert mesh.value\n"
+        self.run_in(LIBRARY.parent, sys.executable, "-c", code, env={"LD_LIBRARY_PATH": str(LIBRARY.parent)})
+
+    def test_cpp(self):
+        source = "\n".join(["#include <proxima/proxima.h>", '#include "thesis/octree_generation/overlap_tests.h"', "using namespace proxima;",
+                            programs("how_to_extend.md", "cpp"), "void with_a_device() {", programs("devices.md", "cpp"), "}",
+                            f"void in_a_scene({IN_A_SCENE}) {{", programs("haptic_scenes.md", "cpp"), "}"])
+        self.run_in(ROOT, COMPILER, "-std=c++20", "-fsyntax-only", "-x", "c++", *(f"-I{folder}" for folder in INCLUDES.split(":") if folder),
+                    f"-I{ROOT}/src", "-", input=source)
+
+
+if __name__ == "__main__":
+    unittest.main()
