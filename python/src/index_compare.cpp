@@ -15,7 +15,7 @@ py::array_t<double> bounds_array(const DistanceBounds& bounds)
 }
 
 /// Bounds that Python handed back: of a field of a Deviation.
-DistanceBounds bounds_of(const py::object& deviation, const char* field)
+DistanceBounds distance_bounds_of(const py::object& deviation, const char* field)
 {
     const py::array_t<double> bounds = doubles_of(deviation.attr(field), field);
     if (bounds.size() != 2) refuse(field, "must be a lower and an upper bound");
@@ -94,14 +94,14 @@ py::object two_sided(const py::object& there, const py::object& back)
 {
     const auto mean_of = [](const py::object& deviation) {
         MeanDeviation mean;
-        mean.mean = bounds_of(deviation, "mean");
-        mean.root_mean_square = bounds_of(deviation, "root_mean_square");
+        mean.mean = distance_bounds_of(deviation, "mean");
+        mean.root_mean_square = distance_bounds_of(deviation, "root_mean_square");
         mean.area = deviation.attr("area").cast<double>();
         mean.area_error = deviation.attr("area_error").cast<double>();
         return mean;
     };
-    const auto greatest =
-        bounds_array(both_ways(bounds_of(there, "greatest"), bounds_of(back, "greatest")));
+    const auto greatest = bounds_array(
+        both_ways(distance_bounds_of(there, "greatest"), distance_bounds_of(back, "greatest")));
     const py::object type = result_type("TwoSidedDeviation");
     if (there.attr("mean").is_none() || back.attr("mean").is_none()) return type(greatest);
     const TwoSidedMean both = both_ways(mean_of(there), mean_of(back));
