@@ -8,12 +8,16 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <pybind11/numpy.h>
 #include <span>
 #include <string>
 #include <vector>
 
 namespace proxima::python {
+
+inline constexpr double infinity = std::numeric_limits<double>::infinity();
+inline constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 
 /// An array as doubles in C order: itself where it is that, else a copy. Floats and integers of any
 /// size, byte order and layout, and lists of such numbers; nothing else.

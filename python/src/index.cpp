@@ -26,8 +26,8 @@ std::optional<ListOptions> list_options_of(const py::object& lists)
     return ListOptions{.list_bytes = count_of(lists.cast<Integer>(), "lists", any_count, 1)};
 }
 
-MeshIndex build(const TriangleMesh& mesh, const py::object& lists, bool distances, bool signs,
-                Integer threads, const py::object& progress)
+MeshIndex index_of_mesh(const TriangleMesh& mesh, const py::object& lists, bool distances,
+                        bool signs, Integer threads, const py::object& progress)
 {
     const auto list_options = list_options_of(lists);
     const Threads thread_count = threads_of(threads);
@@ -45,7 +45,8 @@ MeshIndex build(const TriangleMesh& mesh, const py::object& lists, bool distance
     });
 }
 
-void save(const MeshIndex& index, const std::filesystem::path& path, const py::object& progress)
+void save_index(const MeshIndex& index, const std::filesystem::path& path,
+                const py::object& progress)
 {
     run(progress, Duration::lengthy, [&](Progress* watched) {
         return save_index(index, path, {.execution = {.progress = watched}});
@@ -91,7 +92,7 @@ MeshIndex refit(const MeshIndex& self, const py::object& vertices, const py::obj
     });
 }
 
-std::string represent(const MeshIndex& index)
+std::string represent_index(const MeshIndex& index)
 {
     std::string text = "<proxima.Index: " + std::to_string(index.triangle_count()) + " triangles";
     if (index.has_lists()) text += ", lists";
@@ -130,10 +131,10 @@ Immutable; holds a copy of the triangles; any number of threads may query it. Ab
 triangle, 160 where positions are not floats. Ctrl-C stops building and batches. Raises InvalidInput for a mesh without
 triangles or with NaN.)");
     index
-        .def(py::init(&build), py::arg("mesh"), py::kw_only(), py::arg("lists") = false,
+        .def(py::init(&index_of_mesh), py::arg("mesh"), py::kw_only(), py::arg("lists") = false,
              py::arg("distances") = false, py::arg("signs") = false, py::arg("threads") = 0,
              py::arg("progress") = py::none())
-        .def("save", &save, py::arg("path"), py::kw_only(), py::arg("progress") = py::none(),
+        .def("save", &save_index, py::arg("path"), py::kw_only(), py::arg("progress") = py::none(),
              "Writes the index with all that it has to a .pxi file, whole or not at all.")
         .def_static("load", &load, py::arg("path"), py::kw_only(), py::arg("map") = false,
                     py::arg("progress") = py::none(),
@@ -202,13 +203,13 @@ lists were built for: then build anew.)")
         .def(
             "mesh", [](const MeshIndex& self) { return value_of(mesh_of(self)); },
             "The mesh that it was built from. Vertices without a triangle were not kept.")
-        .def("__repr__", &represent)
+        .def("__repr__", &represent_index)
         .def("__copy__", [](const py::object& self) { return self; })
         .def("__deepcopy__", [](const py::object& self, const py::dict&) { return self; })
         .def(py::pickle(
             [](const MeshIndex& self) {
                 return bytes_of_file(
-                    [&](const std::filesystem::path& path) { save(self, path, py::none()); });
+                    [&](const std::filesystem::path& path) { save_index(self, path, py::none()); });
             },
             [](const py::bytes& pickled) {
                 const FileBytes file = file_bytes_of(pickled);

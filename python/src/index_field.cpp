@@ -5,7 +5,6 @@
 #include "run.h"
 
 #include <algorithm>
-#include <limits>
 #include <vector>
 
 namespace proxima::python {
@@ -89,8 +88,8 @@ void bind_field(py::class_<MeshIndex>& index)
     index.def(
         "distance_field", &distance_field_of, py::arg("resolution") = 128, py::kw_only(),
         py::arg("spacing") = 0.0, py::arg("margin") = 0.05, py::arg("box") = py::none(),
-        py::arg("band") = std::numeric_limits<double>::infinity(), py::arg("gradient") = false,
-        py::arg("method") = false, py::arg("threads") = 0, py::arg("progress") = py::none(),
+        py::arg("band") = infinity, py::arg("gradient") = false, py::arg("method") = false,
+        py::arg("threads") = 0, py::arg("progress") = py::none(),
         R"(Signed distances at the points of a regular grid, as Field: each is what signed_distance says there.
 
     resolution  points along the longest side

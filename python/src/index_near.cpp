@@ -8,7 +8,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
-#include <limits>
 #include <string>
 #include <vector>
 
@@ -103,8 +102,7 @@ void bind_near(py::class_<MeshIndex>& index)
              py::arg("progress") = py::none(),
              "The triangles within a radius of points (n, 3), in the mesh's unit, as Neighbours.")
         .def("nearest", &nearest, py::arg("points"), py::arg("count"), py::kw_only(),
-             py::arg("radius") = std::numeric_limits<double>::infinity(),
-             py::arg("progress") = py::none(),
+             py::arg("radius") = infinity, py::arg("progress") = py::none(),
              R"(The `count` triangles nearest to points (n, 3), as Nearest.
 
 By distance, equal ones by id. Where fewer are within the radius, the rest of the row is inf and -1.)")

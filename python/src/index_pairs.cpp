@@ -4,15 +4,11 @@
 #include "proxima/mesh_distance.h"
 #include "run.h"
 
-#include <limits>
 #include <vector>
 
 namespace proxima::python {
 
 namespace {
-
-constexpr double infinity = std::numeric_limits<double>::infinity();
-constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 
 py::object intersect(const MeshIndex& index, const MeshIndex& other, const py::object& poses,
                      bool pairs, Integer threads, const py::object& progress)

@@ -4,7 +4,6 @@
 #include "rays.h"
 #include "run.h"
 
-#include <limits>
 #include <optional>
 #include <string>
 #include <vector>
@@ -12,8 +11,6 @@
 namespace proxima::python {
 
 namespace {
-
-constexpr double infinity = std::numeric_limits<double>::infinity();
 
 /// One number for all rays, or one for each.
 class RangeArgument {

@@ -3,14 +3,11 @@
 #include "proxima/cull.h"
 #include "proxima/view_volume.h"
 
-#include <limits>
 #include <vector>
 
 namespace proxima::python {
 
 namespace {
-
-constexpr double infinity = std::numeric_limits<double>::infinity();
 
 py::array planes_of(const ViewVolume& volume)
 {
@@ -23,7 +20,7 @@ py::array planes_of(const ViewVolume& volume)
     return array;
 }
 
-py::array visible(const MeshIndex& index, const py::object& planes, bool exact)
+py::array visible_triangles(const MeshIndex& index, const py::object& planes, bool exact)
 {
     const ViewVolume volume = volume_of(planes);
     std::vector<TriangleId> ids;
@@ -52,7 +49,7 @@ ViewVolume volume_of(const py::object& planes)
 void bind_views(py::module_& module, py::class_<MeshIndex>& index)
 {
     index.def(
-        "visible", &visible, py::arg("planes"), py::kw_only(), py::arg("exact") = false,
+        "visible", &visible_triangles, py::arg("planes"), py::kw_only(), py::arg("exact") = false,
         R"(Ids of the triangles in a view volume, (m,) int32, ascending. Occlusion is not tested.
 
     planes  (k, 4) floats a, b, c, d: inside is where a x + b y + c z + d >= 0 for all; see perspective() and

@@ -88,7 +88,7 @@ TriangleMesh make_sample(const std::string& name)
     });
 }
 
-py::array vertices_of(const py::object& self)
+py::array vertices_of_mesh(const py::object& self)
 {
     const auto positions = self.cast<const TriangleMesh&>().positions();
     return view_of(py::array_t<double>(
@@ -104,7 +104,7 @@ py::array faces_of(const py::object& self)
         static_cast<const std::uint32_t*>(static_cast<const void*>(triangles.data())), self));
 }
 
-py::array bounds_of(const TriangleMesh& mesh)
+py::array bounds_of_mesh(const TriangleMesh& mesh)
 {
     const Box box = value_of(checked_bounding_box(mesh));
     auto bounds = new_rows<double>(2, 3);
@@ -113,7 +113,7 @@ py::array bounds_of(const TriangleMesh& mesh)
     return bounds;
 }
 
-std::string represent(const TriangleMesh& mesh)
+std::string represent_mesh(const TriangleMesh& mesh)
 {
     return "<proxima.Mesh: " + std::to_string(mesh.vertex_count()) + " vertices, " +
            std::to_string(mesh.triangle_count()) + " triangles>";
@@ -174,22 +174,22 @@ ascii=True.)")
             "sample", &make_sample, py::arg("name"),
             R"(A built-in mesh: "cube", "octahedron", "sphere:STACKSxSLICES", "icosphere:N", "torus:NxM",
 "spaceship:TRIANGLES".)")
-        .def_property_readonly("vertices", &vertices_of,
+        .def_property_readonly("vertices", &vertices_of_mesh,
                                "(V, 3) float64, read-only, the mesh's own memory.")
         .def_property_readonly("faces", &faces_of,
                                "(F, 3) uint32, read-only, the mesh's own memory.")
         .def_property_readonly(
-            "bounds", &bounds_of,
+            "bounds", &bounds_of_mesh,
             "(2, 3) float64: lowest and highest corner of the box of all triangles.")
         .def_property_readonly("fingerprint", &mesh_fingerprint,
                                "int: the same for the same positions and triangles in the same "
                                "order. See Index.fingerprint.")
-        .def("__repr__", &represent)
+        .def("__repr__", &represent_mesh)
         .def("__copy__", [](const py::object& self) { return self; })
         .def("__deepcopy__", [](const py::object& self, const py::dict&) { return self; })
         .def("__reduce__", [](const py::object& self) {
             return py::make_tuple(self.attr("__class__"),
-                                  py::make_tuple(vertices_of(self), faces_of(self)));
+                                  py::make_tuple(vertices_of_mesh(self), faces_of(self)));
         });
     bind_mesh_repair(mesh);
 }

@@ -49,7 +49,7 @@ py::array half_spaces_of(const Body& body)
     return array;
 }
 
-py::array vertices_of(const ConvexPolyhedron& polyhedron)
+py::array vertices_of_polyhedron(const ConvexPolyhedron& polyhedron)
 {
     return rows_of(polyhedron.points());
 }
@@ -110,7 +110,7 @@ py::object distances_of(const MinkowskiSum& sum, const py::object& points)
 }
 
 template <class Body>
-std::string represent(const char* name, const Body& body, std::size_t points)
+std::string represent_body(const char* name, const Body& body, std::size_t points)
 {
     return std::string("<proxima.") + name + ": " + std::to_string(points) + " vertices, " +
            std::to_string(body.facet_count()) + " facets>";
@@ -149,7 +149,7 @@ InvalidInput without points or with NaN.)")
         .def(
             "mirrored", [](const ConvexPolyhedron& self) { return mirrored(self); },
             "-x for all x of the polyhedron.")
-        .def_property_readonly("vertices", &vertices_of, "(n, 3) float64.")
+        .def_property_readonly("vertices", &vertices_of_polyhedron, "(n, 3) float64.")
         .def_property_readonly("facets", &facets_of<ConvexPolyhedron>,
                                "Facets: loops of vertices, counter-clockwise seen from outside.")
         .def_property_readonly("half_spaces", &half_spaces_of<ConvexPolyhedron>,
@@ -158,7 +158,7 @@ InvalidInput without points or with NaN.)")
                                "0 a point, 1 a segment, 2 a polygon, 3 a body.")
         .def("__repr__",
              [](const ConvexPolyhedron& self) {
-                 return represent("Polyhedron", self, self.points().size());
+                 return represent_body("Polyhedron", self, self.points().size());
              })
         .def("__copy__", [](const py::object& self) { return self; })
         .def("__deepcopy__", [](const py::object& self, const py::dict&) { return self; })
@@ -183,7 +183,7 @@ Of A and the mirrored B it answers for the pair: B moved by t overlaps A exactly
         .def("signed_distance", &distances_of, py::arg("points"),
              "How far points (n, 3) are from the sum's surface, negative inside, as SumDistances.")
         .def("__repr__", [](const MinkowskiSum& self) {
-            return represent("MinkowskiSum", self, self.point_count());
+            return represent_body("MinkowskiSum", self, self.point_count());
         });
 
     module.def(

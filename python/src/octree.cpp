@@ -31,8 +31,9 @@ void set_root(OctreeOptions& options, const py::object& root)
     options.root_shape = name == "cube" ? RootShape::cube : RootShape::box;
 }
 
-Octree build(const TriangleMesh& mesh, Integer max_depth, Integer threshold, bool uniform,
-             const py::object& root, bool classify, Integer threads, const py::object& progress)
+Octree octree_of_mesh(const TriangleMesh& mesh, Integer max_depth, Integer threshold, bool uniform,
+                      const py::object& root, bool classify, Integer threads,
+                      const py::object& progress)
 {
     constexpr std::int64_t most = std::numeric_limits<std::uint32_t>::max();
     OctreeOptions options{
@@ -128,14 +129,15 @@ py::object leaves_of(const Octree& octree)
     return result_type("Leaves")(keys, depths, kinds, lower, upper, first, triangles);
 }
 
-void save(const Octree& octree, const std::filesystem::path& path, const py::object& progress)
+void save_octree(const Octree& octree, const std::filesystem::path& path,
+                 const py::object& progress)
 {
     run(progress, Duration::lengthy, [&](Progress* watched) {
         return save_octree(octree, path, {.execution = {.progress = watched}});
     });
 }
 
-std::string represent(const Octree& octree)
+std::string represent_octree(const Octree& octree)
 {
     const OctreeStatistics counts = octree_statistics(octree);
     return "<proxima.Octree: " + std::to_string(counts.leaves) + " leaves, " +
@@ -162,7 +164,7 @@ Octree(mesh, *, max_depth=5, threshold=1, uniform=False, root="cube", classify=T
 Raises InvalidInput for a mesh without triangles or with NaN, or one that leaves the root; LimitExceeded where memory
 does not suffice.)");
     octree
-        .def(py::init(&build), py::arg("mesh"), py::kw_only(), py::arg("max_depth") = 5,
+        .def(py::init(&octree_of_mesh), py::arg("mesh"), py::kw_only(), py::arg("max_depth") = 5,
              py::arg("threshold") = 1U, py::arg("uniform") = false, py::arg("root") = "cube",
              py::arg("classify") = true, py::arg("threads") = 0, py::arg("progress") = py::none())
         .def("leaves", &leaves_of,
@@ -170,7 +172,7 @@ does not suffice.)");
         .def_property_readonly(
             "statistics", &statistics_of,
             "Counts of cells and lists, as `proxima octree` prints them: a dict.")
-        .def("save", &save, py::arg("path"), py::kw_only(), py::arg("progress") = py::none(),
+        .def("save", &save_octree, py::arg("path"), py::kw_only(), py::arg("progress") = py::none(),
              "Writes a .pxo file, whole or not at all.")
         .def_static(
             "load",
@@ -191,13 +193,14 @@ does not suffice.)");
             },
             py::arg("mesh"), py::arg("path"), py::kw_only(), py::arg("progress") = py::none(),
             "Writes .vtu, .htg, .ply or .glb for other programs. `mesh` is the octree's own.")
-        .def("__repr__", &represent)
+        .def("__repr__", &represent_octree)
         .def("__copy__", [](const py::object& self) { return self; })
         .def("__deepcopy__", [](const py::object& self, const py::dict&) { return self; })
         .def(py::pickle(
             [](const Octree& self) {
-                return bytes_of_file(
-                    [&](const std::filesystem::path& path) { save(self, path, py::none()); });
+                return bytes_of_file([&](const std::filesystem::path& path) {
+                    save_octree(self, path, py::none());
+                });
             },
             [](const py::bytes& pickled) {
                 const FileBytes file = file_bytes_of(pickled);

@@ -43,7 +43,7 @@ private:
     std::vector<std::uint64_t> begins_; ///< ascending
 };
 
-py::array visible(const Octree& octree, const py::object& planes, bool exact)
+py::array visible_cells(const Octree& octree, const py::object& planes, bool exact)
 {
     const ViewVolume volume = volume_of(planes);
     std::vector<std::int32_t> rows;
@@ -120,7 +120,7 @@ void bind_octree_cells(py::class_<Octree>& octree)
 {
     octree
         .def(
-            "visible", &visible, py::arg("planes"), py::kw_only(), py::arg("exact") = false,
+            "visible", &visible_cells, py::arg("planes"), py::kw_only(), py::arg("exact") = false,
             R"(The leaves in a view volume, empty ones included: rows of leaves(), (m,) int32, ascending.
 
     planes  (k, 4) floats as in Index.visible

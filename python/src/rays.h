@@ -6,7 +6,6 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <limits>
 #include <string>
 #include <vector>
 
@@ -20,9 +19,7 @@ namespace proxima::python {
 [[nodiscard]] Faces faces_named(const std::string& name);
 
 /// What a ray that hits nothing has in the columns.
-inline constexpr RayHit no_hit{std::numeric_limits<double>::infinity(), no_triangle,
-                               std::numeric_limits<double>::quiet_NaN(),
-                               std::numeric_limits<double>::quiet_NaN()};
+inline constexpr RayHit no_hit{infinity, no_triangle, nan, nan};
 
 /// Columns of hits.
 class HitArrays {

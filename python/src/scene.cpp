@@ -56,8 +56,8 @@ std::vector<std::uint32_t> numbers_of(const py::object& object, const char* name
     return numbers;
 }
 
-Scene build(const py::object& shapes, const py::object& poses, const py::object& shape,
-            const py::object& layers, Integer threads, const py::object& progress)
+Scene scene_of_shapes(const py::object& shapes, const py::object& poses, const py::object& shape,
+                      const py::object& layers, Integer threads, const py::object& progress)
 {
     const std::vector<MeshIndex> indexes = shapes_of(shapes);
     const std::vector<RigidTransform> placed = placements_of(poses);
@@ -76,7 +76,8 @@ Scene build(const py::object& shapes, const py::object& poses, const py::object&
     });
 }
 
-Scene move(const Scene& self, const py::object& poses, Integer threads, const py::object& progress)
+Scene moved_scene(const Scene& self, const py::object& poses, Integer threads,
+                  const py::object& progress)
 {
     const std::vector<RigidTransform> placed = placements_of(poses);
     const Threads thread_count = threads_of(threads);
@@ -122,7 +123,7 @@ py::array layers_array(const Scene& self)
     return array;
 }
 
-py::array bounds_array(const Scene& self)
+py::array bounds_of_scene(const Scene& self)
 {
     py::array_t<double> array(std::vector{static_cast<py::ssize_t>(self.instance_count()),
                                           py::ssize_t{2}, py::ssize_t{3}});
@@ -143,7 +144,7 @@ py::tuple shapes_tuple(const Scene& self)
     return shapes;
 }
 
-std::string represent(const Scene& self)
+std::string represent_scene(const Scene& self)
 {
     return "<proxima.Scene: " + std::to_string(self.instance_count()) + " instances of " +
            std::to_string(self.shape_count()) + " shapes, " + std::to_string(self.bytes()) +
@@ -183,11 +184,11 @@ Instances are numbered as their poses are. Answers are those of asking all insta
 number of threads may query it. About 0.6 us of work and 250 bytes per instance, at most 2^24 instances. Ctrl-C stops building and
 batches. Raises InvalidInput for a shape that is not there and a pose that is not rigid.)");
     scene
-        .def(py::init(&build), py::arg("shapes"), py::arg("poses"), py::arg("shape") = py::none(),
-             py::arg("layers") = py::none(), py::kw_only(), py::arg("threads") = 0,
-             py::arg("progress") = py::none())
+        .def(py::init(&scene_of_shapes), py::arg("shapes"), py::arg("poses"),
+             py::arg("shape") = py::none(), py::arg("layers") = py::none(), py::kw_only(),
+             py::arg("threads") = 0, py::arg("progress") = py::none())
         .def(
-            "move", &move, py::arg("poses"), py::kw_only(), py::arg("threads") = 0,
+            "move", &moved_scene, py::arg("poses"), py::kw_only(), py::arg("threads") = 0,
             py::arg("progress") = py::none(),
             R"(The Scene with the same instances elsewhere, sooner than a new one; this one stays as it is.
 
@@ -201,7 +202,7 @@ Queries are slower the farther neighbours moved apart: then build anew.)")
                                "(n,) int32: which of the shapes each instance is, a new array.")
         .def_property_readonly("layers", &layers_array,
                                "(n,) uint32: the layers of each instance, a new array.")
-        .def_property_readonly("bounds", &bounds_array,
+        .def_property_readonly("bounds", &bounds_of_scene,
                                "(n, 2, 3) float64: lowest and highest corner of a box about each "
                                "instance, some percent larger than needed; inf and -inf for an "
                                "empty index. A new array.")
@@ -209,7 +210,7 @@ Queries are slower the farther neighbours moved apart: then build anew.)")
                                "int: how many instances there are.")
         .def_property_readonly("nbytes", &Scene::bytes,
                                "int: bytes of its own arrays, without the shapes.")
-        .def("__repr__", &represent)
+        .def("__repr__", &represent_scene)
         .def("__copy__", [](const py::object& self) { return self; })
         .def("__deepcopy__", [](const py::object& self, const py::dict&) { return self; })
         .def("__reduce__", [](const py::object& self) {

@@ -48,8 +48,8 @@ py::object boxes_within(const Scene& self, double distance, const py::object& la
     }));
 }
 
-py::object within(const Scene& self, double distance, const py::object& layers,
-                  const py::object& others, Integer threads, const py::object& progress)
+py::object pairs_within(const Scene& self, double distance, const py::object& layers,
+                        const py::object& others, Integer threads, const py::object& progress)
 {
     ScenePairOptions options = pair_options(layers, others, threads);
     const auto found = run(progress, Duration::lengthy, [&](Progress* watched) {
@@ -91,7 +91,7 @@ void bind_scene_pairs(py::class_<Scene>& scene)
     layers, others  bits: one of each pair has a bit of `layers`, the other one of `others`
 
 About 0.3 us per instance, and 1 to 30 us per pair whose boxes overlap.)")
-        .def("within", &within, py::arg("distance"), py::kw_only(), py::arg("layers") = all,
+        .def("within", &pairs_within, py::arg("distance"), py::kw_only(), py::arg("layers") = all,
              py::arg("others") = all, py::arg("threads") = 0, py::arg("progress") = py::none(),
              "All pairs of instances whose surfaces are at most a distance apart, in the scene's "
              "unit, as NearInstances. Layers as in in_contact().")

@@ -16,15 +16,12 @@ namespace proxima::python {
 
 namespace {
 
-constexpr double infinity = std::numeric_limits<double>::infinity();
-constexpr double nan = std::numeric_limits<double>::quiet_NaN();
-
 /// What a point has in the columns of which nothing is within the radius.
 const SceneFeature nothing{InstanceId{std::numeric_limits<std::uint32_t>::max()},
                            no_closest_feature(), Vec3::Constant(nan), infinity};
 
-py::object closest(const Scene& self, const py::object& points, double radius,
-                   const py::object& layers, Integer threads, const py::object& progress)
+py::object closest_in_scene(const Scene& self, const py::object& points, double radius,
+                            const py::object& layers, Integer threads, const py::object& progress)
 {
     const PointsArgument argument(points, "points");
     check_not_negative(radius, "radius");
@@ -142,8 +139,9 @@ py::object triangles_in(const Scene& self, std::span<const InstanceRange> ranges
         instances_of(instances), array_of<std::int32_t>(std::span<const TriangleId>(triangles)));
 }
 
-py::object visible(const Scene& self, const py::object& planes, bool triangles, bool exact,
-                   const py::object& layers, Integer threads, const py::object& progress)
+py::object visible_instances(const Scene& self, const py::object& planes, bool triangles,
+                             bool exact, const py::object& layers, Integer threads,
+                             const py::object& progress)
 {
     const ViewVolume volume = volume_of(planes);
     SceneCullOptions options{.mode = exact ? CullMode::exact : CullMode::conservative,
@@ -162,8 +160,8 @@ py::object visible(const Scene& self, const py::object& planes, bool triangles, 
                         }));
 }
 
-py::array in_box(const Scene& self, const py::object& lower, const py::object& upper,
-                 const py::object& layers)
+py::array instances_in_box(const Scene& self, const py::object& lower, const py::object& upper,
+                           const py::object& layers)
 {
     const Box box = box_between(lower, upper);
     if (!box.lower.allFinite() || !box.upper.allFinite())
@@ -183,8 +181,9 @@ void bind_scene_queries(py::class_<Scene>& scene)
 {
     const py::int_ all(all_layers);
     scene
-        .def("closest", &closest, py::arg("points"), py::kw_only(), py::arg("radius") = infinity,
-             py::arg("layers") = all, py::arg("threads") = 0, py::arg("progress") = py::none(),
+        .def("closest", &closest_in_scene, py::arg("points"), py::kw_only(),
+             py::arg("radius") = infinity, py::arg("layers") = all, py::arg("threads") = 0,
+             py::arg("progress") = py::none(),
              R"(The closest points of all instances to points (n, 3), as SceneClosest.
 
     radius  in the scene's unit: nothing farther is found
@@ -202,16 +201,16 @@ Equally near instances: the lowest. 3 to 6 us each among 10,000 instances. Raise
 
 About 1 us each among 10,000 instances. Raises InvalidInput where a ray is not finite or its direction is zero.)")
         .def(
-            "visible", &visible, py::arg("planes"), py::kw_only(), py::arg("triangles") = false,
-            py::arg("exact") = false, py::arg("layers") = all, py::arg("threads") = 0,
-            py::arg("progress") = py::none(),
+            "visible", &visible_instances, py::arg("planes"), py::kw_only(),
+            py::arg("triangles") = false, py::arg("exact") = false, py::arg("layers") = all,
+            py::arg("threads") = 0, py::arg("progress") = py::none(),
             R"(Instances of which a triangle is in a view volume, (m,) int32, ascending. Occlusion is not tested.
 
     planes     (k, 4) floats, as Index.visible() takes them
     triangles  True: all triangles in view, as InstanceTriangles
     exact      True: exactly those that have a point in common with the volume, else also some near its edges
     layers     bits: only instances that have one of them)")
-        .def("in_box", &in_box, py::arg("lower"), py::arg("upper"), py::kw_only(),
+        .def("in_box", &instances_in_box, py::arg("lower"), py::arg("upper"), py::kw_only(),
              py::arg("layers") = all,
              "The instances whose box, that of `bounds`, has a point in common with a box of "
              "corners (3,): (m,) int32, ascending.");

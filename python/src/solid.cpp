@@ -11,7 +11,7 @@ namespace proxima::python {
 
 namespace {
 
-Solid build(const py::object& model, Integer threads, const py::object& progress)
+Solid solid_of_model(const py::object& model, Integer threads, const py::object& progress)
 {
     const Threads thread_count = threads_of(threads);
     const MeshIndex index = index_of(model, "a proxima.Mesh or Index");
@@ -103,7 +103,7 @@ py::object regions_of(const Solid& self, const Solid& other, const py::object& p
     }));
 }
 
-std::string represent(const Solid& self)
+std::string represent_solid(const Solid& self)
 {
     return "<proxima.Solid: " + std::to_string(self.index().triangle_count()) + " triangles, " +
            (self.is_convex() ? "convex>" : "not convex>");
@@ -122,7 +122,7 @@ Solid(model, *, threads=0, progress=None)
 
 Immutable; any number of threads may use it. What touches, overlaps. 5 to 15 us of work per triangle. Raises InvalidInput for
 a mesh that is open, not consistently oriented, flat, or has a part that is turned inside out, as cavities are.)")
-        .def(py::init(&build), py::arg("model"), py::kw_only(), py::arg("threads") = 0,
+        .def(py::init(&solid_of_model), py::arg("model"), py::kw_only(), py::arg("threads") = 0,
              py::arg("progress") = py::none())
         .def(
             "overlaps", &overlaps, py::arg("other"), py::arg("poses") = py::none(),
@@ -154,7 +154,7 @@ None where one is inside the other. 4 us per pair of triangles that meet, and 0.
         .def_property_readonly("hull_error", &Solid::hull_error,
                                "float: how far a convex mesh's hull is from the solid at most, in "
                                "the mesh's unit.")
-        .def("__repr__", &represent)
+        .def("__repr__", &represent_solid)
         .def("__copy__", [](const py::object& self) { return self; })
         .def("__deepcopy__", [](const py::object& self, const py::dict&) { return self; })
         .def("__reduce__", [](const py::object& self) {

@@ -13,7 +13,7 @@ namespace proxima::python {
 
 namespace {
 
-MeshTopology build(const py::object& mesh, Integer threads, const py::object& progress)
+MeshTopology topology_of_mesh(const py::object& mesh, Integer threads, const py::object& progress)
 {
     if (!py::isinstance<TriangleMesh>(mesh)) refuse_object(mesh, "mesh", "a proxima.Mesh");
     MeshTopology built{mesh, &mesh.cast<const TriangleMesh&>(), {}};
@@ -117,7 +117,7 @@ py::object patch(const MeshTopology& self, const py::object& closest, Integer ri
                                   array_of<std::int32_t>(std::span<const std::int32_t>(ring_of)));
 }
 
-std::string represent(const MeshTopology& self)
+std::string represent_topology(const MeshTopology& self)
 {
     return "<proxima.Topology: " + std::to_string(self.topology.vertex_count()) + " vertices, " +
            std::to_string(self.topology.edge_count()) + " edges, " +
@@ -136,7 +136,7 @@ Topology(mesh, *, threads=0, progress=None)
 
 Works for any mesh, manifold or not. Triangles are neighbours where they share ids of vertices, whatever the positions. Keeps the mesh alive. Immutable; any number of threads may use it.
 70 bytes per triangle.)")
-        .def(py::init(&build), py::arg("mesh"), py::kw_only(), py::arg("threads") = 0,
+        .def(py::init(&topology_of_mesh), py::arg("mesh"), py::kw_only(), py::arg("threads") = 0,
              py::arg("progress") = py::none())
         .def_property_readonly("edges", &edges_of,
                                "(E, 2) int32: the vertices of each edge, ascending; edges in the "
@@ -153,7 +153,7 @@ more triangles meet.)")
     rings    0: the triangles that have the feature; each ring adds those that share a vertex with the ring before
 
 Raises InvalidInput where a feature is none of this mesh.)")
-        .def("__repr__", &represent)
+        .def("__repr__", &represent_topology)
         .def("__copy__", [](const py::object& self) { return self; })
         .def("__deepcopy__", [](const py::object& self, const py::dict&) { return self; })
         .def("__reduce__", [](const py::object& self) {

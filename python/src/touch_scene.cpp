@@ -54,8 +54,8 @@ std::uint32_t add(SharedScene& self, const py::object& model, const py::object& 
     return to_index(object);
 }
 
-void move(SharedScene& self, Integer object, const py::object& pose, double seconds,
-          const py::object& velocity, const py::object& spin, double coast_seconds)
+void move_object(SharedScene& self, Integer object, const py::object& pose, double seconds,
+                 const py::object& velocity, const py::object& spin, double coast_seconds)
 {
     const ObjectMotion motion{.pose = pose_of(pose),
                               .seconds = seconds,
@@ -179,7 +179,7 @@ call any method. What is said takes effect in the next tick of a TouchRenderer.)
 
 Before the first renderer is made. A mesh takes about 5 us per triangle. Raises InvalidInput for an object that leaves the
 bounds, a pose that is not rigid, and numbers out of range.)")
-        .def("move", &move, py::arg("object"), py::arg("pose"), py::kw_only(),
+        .def("move", &move_object, py::arg("object"), py::arg("pose"), py::kw_only(),
              py::arg("seconds") = 0.0, py::arg("velocity") = zero, py::arg("spin") = zero,
              py::arg("coast_seconds") = 0.0,
              R"(Moves an object to a pose (3, 4) or (4, 4) within a time; 0 is at once.

@@ -1,5 +1,6 @@
 #include "base/input_file.h"
 
+#include "base/without_standard_input.h"
 #include "folder_test.h"
 
 #include <cerrno>
@@ -65,6 +66,18 @@ TEST_F(InputFile, HasTheBytesOfFilesOfOneBlockAndMore)
             EXPECT_TRUE(file->text() == content) << content.size();
             EXPECT_EQ(reinterpret_cast<std::uintptr_t>(file->bytes.data()) % 128, 0U);
         }
+    }
+}
+
+TEST_F(InputFile, IsClosedWithoutAStandardInputToo)
+{
+    const std::string name = file_of("a");
+    for (const FileAccess access : {FileAccess::read, FileAccess::map}) {
+        const WithoutStandardInput without;
+        const auto file = read_file(name, {.access = access});
+        ASSERT_TRUE(file) << file.error().message;
+        EXPECT_EQ(file->text(), "a");
+        EXPECT_EQ(::fcntl(STDIN_FILENO, F_GETFD), -1) << "the file is still open";
     }
 }
 

@@ -1,5 +1,6 @@
 #include "base/output_file.h"
 
+#include "base/without_standard_input.h"
 #include "folder_test.h"
 
 #include <array>
@@ -57,6 +58,21 @@ TEST_F(OutputFileTest, OverwritesWhatWasWritten)
     auto direct = OutputFile::create("/dev/null");
     ASSERT_TRUE(direct);
     EXPECT_FALSE(direct->overwrite(0, std::as_bytes(std::span(head))));
+}
+
+TEST_F(OutputFileTest, IsWrittenWithoutAStandardInputToo)
+{
+    for (const fs::path& destination : {path("a.txt"), fs::path("/dev/null")}) {
+        const WithoutStandardInput without;
+        auto file = OutputFile::create(destination);
+        ASSERT_TRUE(file) << describe(file.error());
+        EXPECT_NE(::fcntl(STDIN_FILENO, F_GETFD), -1) << "another descriptor than 0";
+        ASSERT_TRUE(file->write("new"));
+        ASSERT_TRUE(file->commit());
+        EXPECT_EQ(::fcntl(STDIN_FILENO, F_GETFD), -1) << "the file is still open";
+    }
+    EXPECT_EQ(content(path("a.txt")), "new");
+    EXPECT_EQ(entries(), 1);
 }
 
 TEST_F(OutputFileTest, KeepsTheOldContentWhenCancelled)
