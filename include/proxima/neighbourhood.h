@@ -12,8 +12,8 @@
 //     std::array<NearTriangle, 8> nearest;
 //     const Neighbourhood eight = collect_nearest(*index, point, nearest);
 //
-// Everything is written to the caller's buffer. Nothing allocates, locks or throws. A buffer that
-// is too small is never a silent cut: `complete` is false.
+// collect_... write to the caller's buffer, visit_... hand over what they find one by one. Nothing
+// allocates, locks or throws. A buffer that is too small is never a silent cut: `complete` is false.
 #pragma once
 
 #include "proxima/export.h"
@@ -137,11 +137,21 @@ struct NearTriangle {
 
 /// The triangles nearest to p, no farther than the radius, as many as the buffer holds: by squared
 /// distance, as closest_feature computes it, equal ones by id. `complete` where they are all within the
-/// radius; not where the buffer was filled and the mesh has more triangles. None where p is not finite, or the radius NaN or below 0. Some 0.5 us more per
-/// triangle than closest_feature. Thread safe.
+/// radius; not where the buffer was filled and the mesh has more triangles. None where p is not finite,
+/// or the radius NaN or below 0. Some 0.5 us more per triangle than closest_feature. Thread safe.
 [[nodiscard]] Neighbourhood
 collect_nearest(const MeshIndex& index, const Vec3& p, std::span<NearTriangle> buffer,
                 double radius = std::numeric_limits<double>::infinity()) noexcept;
+
+/// Calls visitor(triangle, squared distance) for the triangles within the radius, the nearest first and
+/// equal ones by id, until it stops: for those who know only from a triangle whether they want the next.
+/// The batch is scratch, which the visitor must leave alone: so many triangles are found by each search
+/// of the index, and each search passes again over those that were visited before. A batch for as many
+/// as are usually wanted needs one search, as collect_nearest does. Nothing where p is not finite, or the
+/// radius NaN or below 0. noexcept, as the visitor must be. Thread safe. \pre the batch is not empty
+void visit_nearest(const MeshIndex& index, const Vec3& p, std::span<NearTriangle> batch,
+                   FunctionRef<Flow(TriangleId, double)> visitor,
+                   double radius = std::numeric_limits<double>::infinity()) noexcept;
 
 /// All vertices, edges and faces that are within the radius of p as closed sets: an edge whose end
 /// point is near counts, and so does a face whose side is. Each once, by kind and id, with its

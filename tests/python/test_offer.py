@@ -158,7 +158,7 @@ OFFERED = {
         "distance_field": "Field", "grid_around GridOptions.resolution GridOptions.spacing GridOptions.margin FieldOptions.band": "Index.distance_field",
         "FieldOutputs.distances": "Field.distance", "FieldOutputs.gradients": "Field.gradient", "FieldOutputs.methods": "Field.method",
         "PointGrid.origin": "Field.origin", "PointGrid.spacing": "Field.spacing", "PointGrid.size": "Field.distance"},
-    "neighbourhood.h": {"collect_rings": "Topology.patch", "collect_triangles": "Index.within", "collect_nearest": "Index.nearest",
+    "neighbourhood.h": {"collect_rings": "Topology.patch", "collect_triangles": "Index.within", "collect_nearest visit_nearest": "Index.nearest",
                         "visit_triangles": "Index.in_box", "NearTriangle.squared_distance": "Nearest.distance",
                         "NearTriangle.triangle": "Nearest.triangle"},
     "octree.h": {

@@ -8,6 +8,7 @@
 #include "proxima/mesh_index.h"
 #include "query/closest/feature_distance.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstddef>
@@ -135,6 +136,15 @@ struct IndexQuery {
         const float distance = std::sqrt(squared);
         return std::sqrt(squared + foot_error_squared(distance, leaf_extent)) +
                error_of(distance, leaf_extent) * (1 + 0x1p-10F);
+    }
+    /// The same rounded down, whatever the triangle's shape.
+    [[nodiscard]] float least_distance(float squared, float leaf_extent) const noexcept
+    {
+        const float distance = std::sqrt(squared);
+        const float foot = per_foot * (distance + 1.7321F * leaf_extent);
+        const float off =
+            error_of(distance, leaf_extent) + foot + sliver_radius * leaf_extent + 2 * roundoff;
+        return std::max(distance - off * (1 + 0x1p-10F), 0.0F);
     }
     /// Takes the best answer for it.
     void shrink_to_best() noexcept

@@ -210,20 +210,52 @@ PROXIMA_LANE_OP EightTriangles triangles_of(const IndexLeaf& leaf)
     return triangles;
 }
 
+/// Eight triangles with all that does not depend on the point.
+struct PreparedTriangles {
+    Eight3 v[3];
+    Eight3 w[3]; ///< side i goes from corner i
+    Eight length[3];
+    Eight3 normal;
+    Eight area;
+    Eight turn;   ///< w0 w2
+    Eight turn_1; ///< w0 w1
+    EightMask sound;
+};
+
+PROXIMA_STEP PreparedTriangles prepare(const EightTriangles& triangles)
+{
+    const Eight3(&v)[3] = triangles.v;
+    PreparedTriangles result;
+    Eight3(&w)[3] = result.w;
+    Eight(&length)[3] = result.length;
+    for (std::size_t i = 0; i < 3; ++i) {
+        result.v[i] = v[i];
+        w[i] = v[i == 2 ? 0 : i + 1] - v[i];
+        length[i] = dot(w[i], w[i]);
+    }
+    result.normal = cross(w[2], w[0]);
+    result.area = dot(result.normal, result.normal);
+    result.turn = dot(w[0], w[2]);
+    result.turn_1 = dot(w[0], w[1]);
+    const Eight longest =
+        maximum(maximum(length[0] * length[1], length[1] * length[2]), length[2] * length[0]);
+    result.sound = maximum(longest * eight(sliver_sine_squared), eight(sliver_area)) <= result.area;
+    return result;
+}
+
 /// How far they are from eight points, lane by lane.
-PROXIMA_STEP TriangleDistances distances_of(const EightTriangles& triangles, const Eight3& p)
+PROXIMA_STEP TriangleDistances distances_of(const PreparedTriangles& triangles, const Eight3& p)
 {
     const Eight zero = eight(0.0F);
     const Eight one = eight(1.0F);
     const Eight tiny = eight(1e-37F);
     const Eight3(&v)[3] = triangles.v;
+    const Eight3(&w)[3] = triangles.w;
+    const Eight(&length)[3] = triangles.length;
     const Eight3 a[3] = {v[0] - p, v[1] - p, v[2] - p};
-    const Eight3 w[3] = {v[1] - v[0], v[2] - v[1], v[0] - v[2]};
-    Eight length[3];
     Eight ahead[3]; // of the corner from p, along the side
     Eight sides = zero;
     for (std::size_t i = 0; i < 3; ++i) {
-        length[i] = dot(w[i], w[i]);
         ahead[i] = dot(a[i], w[i]);
         const Eight t = minimum(maximum(quotient(-ahead[i], maximum(length[i], tiny)), zero), one);
         const Eight3 r{multiply_add(t, w[i].x, a[i].x), multiply_add(t, w[i].y, a[i].y),
@@ -231,24 +263,20 @@ PROXIMA_STEP TriangleDistances distances_of(const EightTriangles& triangles, con
         const Eight squared = dot(r, r);
         sides = i == 0 ? squared : minimum(sides, squared);
     }
-    const Eight3 normal = cross(w[2], w[0]);
-    const Eight area = dot(normal, normal);
-    const Eight height = dot(normal, a[0]);
-    const Eight plane = quotient(height * height, maximum(area, tiny));
+    const Eight height = dot(triangles.normal, a[0]);
+    const Eight plane = quotient(height * height, maximum(triangles.area, tiny));
     // Weights of the corners across sides 0, 2 and 1, as seen from corners 0, 0 and 1.
-    const Eight turn = dot(w[0], w[2]);
     const Eight from_last = ahead[2] + length[2]; // a0 w2
-    const Eight weight_2 = multiply_subtract(length[0], from_last, ahead[0] * turn);
-    const Eight weight_1 = subtract_product(length[2], ahead[0], from_last * turn);
-    const Eight turn_1 = dot(w[0], w[1]);
+    const Eight weight_2 = multiply_subtract(length[0], from_last, ahead[0] * triangles.turn);
+    const Eight weight_1 = subtract_product(length[2], ahead[0], from_last * triangles.turn);
     const Eight from_next = ahead[0] + length[0]; // a1 w0
-    const Eight weight_0 = multiply_subtract(length[1], from_next, ahead[1] * turn_1);
+    const Eight weight_0 = multiply_subtract(length[1], from_next, ahead[1] * triangles.turn_1);
     const EightMask inside = minimum(minimum(weight_0, weight_1), weight_2) > zero;
-    const Eight longest =
-        maximum(maximum(length[0] * length[1], length[1] * length[2]), length[2] * length[0]);
-    const EightMask sound =
-        maximum(longest * eight(sliver_sine_squared), eight(sliver_area)) <= area;
-    return {choose(inside & sound, plane, sides), sound};
+    return {choose(inside & triangles.sound, plane, sides), triangles.sound};
+}
+PROXIMA_STEP TriangleDistances distances_of(const EightTriangles& triangles, const Eight3& p)
+{
+    return distances_of(prepare(triangles), p);
 }
 
 /// Looks at the candidates that are near enough in doubles, and forgets all.

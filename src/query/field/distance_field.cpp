@@ -9,6 +9,7 @@
 #include "index/signs/sign_parts.h"
 #include "query/closest/describe_closest.h"
 #include "query/closest/winding_side.h"
+#include "query/field/open_sides.h"
 #include "query/field/search_grid.h"
 
 #include <algorithm>
@@ -23,18 +24,16 @@ namespace {
 class FieldWriter {
 public:
     FieldWriter(const MeshIndex& index, const PointGrid& grid, const FieldOutputs& outputs,
-                double band) noexcept
-        : index_(index), parts_(index.parts()), grid_(grid), to_(outputs), band_(band),
-          is_closed_(parts_.signs()->arrays().is_closed())
-    {}
+                const FieldOptions& options)
+        : index_(index), parts_(index.parts()), grid_(grid), to_(outputs), band_(options.band)
+    {
+        if (!parts_.signs()->arrays().is_closed()) open_.emplace(parts_);
+    }
 
     void write(const GridAnswers& answers) const
     {
-        const bool is_one_side = answers.is_clear && is_closed_;
-        std::optional<bool> inside;
         const auto is_inside = [&](const Vec3& p) {
-            if (!inside || !is_one_side) inside = is_inside_by_winding(parts_, p);
-            return *inside;
+            return answers.inside ? *answers.inside : is_inside_by_winding(parts_, p);
         };
         const bool is_plain = answers.is_clear && to_.gradients.empty() && to_.methods.empty();
         const RowDistance* found = answers.found.data();
@@ -50,6 +49,14 @@ public:
             }
             if (!answers.found.empty()) ++found;
         });
+    }
+
+    [[nodiscard]] bool is_open() const noexcept { return open_.has_value(); }
+
+    /// Whether a ball that the surface does not enter is inside: one point tells of a closed mesh.
+    [[nodiscard]] std::optional<bool> side_of(const ClearBall& ball) const
+    {
+        return open_ ? open_->side_of(ball) : is_inside_by_winding(parts_, ball.middle);
     }
 
     /// By single queries.
@@ -126,7 +133,7 @@ private:
     const PointGrid& grid_;
     const FieldOutputs& to_;
     double band_;
-    bool is_closed_;
+    std::optional<OpenSides> open_; ///< where the mesh is not known to be closed
 };
 
 /// Whether squares of the mesh's lengths, and of much smaller ones, are well within the doubles.
@@ -170,7 +177,7 @@ Status distance_field(const MeshIndex& index, const PointGrid& grid, const Field
     if (Status status = check_arguments(index, grid, outputs, options.band); !status) return status;
     if (outputs.distances.empty() && outputs.gradients.empty() && outputs.methods.empty())
         return {};
-    const FieldWriter writer(index, grid, outputs, options.band);
+    const FieldWriter writer(index, grid, outputs, options);
     std::array<std::size_t, 3> blocks{};
     for (std::size_t axis = 0; axis < 3; ++axis)
         blocks[axis] = chunk_count(grid.size[axis], grid_block_side);
@@ -187,8 +194,10 @@ Status distance_field(const MeshIndex& index, const PointGrid& grid, const Field
                 block.size[axis] = std::min(grid_block_side, grid.size[axis] - block.first[axis]);
             }
             if (has_squares(index.parts())) {
-                search_grid(index.parts(), grid, block, options.band,
-                            [&](const GridAnswers& answers) { writer.write(answers); });
+                const auto side_of = [&](const ClearBall& ball) { return writer.side_of(ball); };
+                const auto take = [&](const GridAnswers& answers) { writer.write(answers); };
+                search_grid(index.parts(), grid, block,
+                            {options.band, writer.is_open(), side_of, take});
             } else {
                 writer.write_one_by_one(block);
             }

@@ -99,6 +99,10 @@ public:
     };
 
     [[nodiscard]] std::span<const Group> groups() const noexcept { return groups_; }
+    [[nodiscard]] std::size_t size() const noexcept
+    {
+        return groups_.empty() ? 0 : 8 * (groups_.size() - 1) + groups_.back().count;
+    }
 
     void clear() noexcept { groups_.clear(); }
 

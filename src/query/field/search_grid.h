@@ -4,8 +4,10 @@
 //                        of their middle and their reach
 //     16, 8              of these leaves those that may be closest to a part
 //     8, 4, 2            of the leaves' triangles those that may be: the least of n (x - v) over the
-//                        corners v bounds the distance of f from below, at x in the part
-//     a point            these triangles, as every search of the index looks at them
+//                        corners v bounds the distance of f from below, at x in the part. Eight
+//                        parts look for what is closest to their middles together
+//     64 points          these triangles, one after the other for eight points at once, in floats;
+//                        what may be the closest then in doubles, as every search of the index does
 //                        (closest/search_index-inl.h)
 #pragma once
 
@@ -16,6 +18,7 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <span>
 
 namespace proxima {
@@ -36,12 +39,29 @@ struct GridAnswers {
     std::span<const RowDistance> found;
     /// No point of the surface is in the block, nor within rounding of it.
     bool is_clear = false;
+    std::optional<bool> inside; ///< where all points of the block are, if that is known
 };
 
-/// Searches for the closest features of a block's points, those no farther than the band, and hands
-/// them over in pieces, each point once. \pre the grid's points are finite, the block is in the grid
+/// A ball that the surface does not enter.
+struct ClearBall {
+    Vec3 middle = Vec3::Zero();
+    double radius = 0;
+    double distance = 0; ///< the middle is no nearer to the surface
+};
+
+/// What a search of a grid is asked.
+struct GridQuestion {
+    double band;         ///< nothing farther is searched for
+    bool are_sides_dear; ///< whether small blocks are worth it whose side is known
+    /// Whether all of a ball is inside, or outside; nothing where that is not known.
+    FunctionRef<std::optional<bool>(const ClearBall&)> side_of;
+    FunctionRef<void(const GridAnswers&)> take;
+};
+
+/// Searches for the closest features of a block's points and hands them over in pieces, each point
+/// once. \pre the grid's points are finite, the block is in the grid
 /// and no side is longer than grid_block_side
 void search_grid(const IndexParts& index, const PointGrid& grid, const GridBlock& block,
-                 double band, FunctionRef<void(const GridAnswers&)> take);
+                 const GridQuestion& question);
 
 } // namespace proxima

@@ -115,6 +115,38 @@ void visit_all_within(const IndexParts& index, const Vec3& p, double radius,
     });
 }
 
+/// Comes before all triangles in the order of answers.
+constexpr NearTriangle before_all{-1, TriangleId{0}};
+
+/// Fills the buffer with the triangles within the radius that come next after `last`, in order. How
+/// many; squared distances are scaled. \pre the buffer is not empty
+std::size_t nearest_after(const IndexParts& index, const Vec3& p, double radius,
+                          const NearTriangle& last, std::span<NearTriangle> buffer) noexcept
+{
+    const double limit = radius * index.scale() * (radius * index.scale());
+    std::size_t count = 0;
+    // A heap with the farthest at its top.
+    const auto begin = buffer.begin();
+    const auto end = [&] { return begin + static_cast<std::ptrdiff_t>(count); };
+    const auto farthest = [&] {
+        return count == buffer.size() ? buffer.front().squared_distance : limit;
+    };
+    visit_within(index, p, radius, [&](const auto& row, double squared) {
+        const NearTriangle found{squared, TriangleId{row.triangle_id()}};
+        if (!(last < found)) return farthest();
+        if (count == buffer.size()) {
+            if (!(found < buffer.front())) return farthest();
+            std::pop_heap(begin, end());
+            --count;
+        }
+        buffer[count++] = found;
+        std::push_heap(begin, end());
+        return farthest();
+    });
+    std::sort_heap(begin, end());
+    return count;
+}
+
 /// Squared distance of a side with its ends, scaled.
 template <class Scalar>
 double closed_distance(const TriangleRow<Scalar>& row, std::size_t side, const Vec3& p,
@@ -246,7 +278,6 @@ Neighbourhood collect_nearest(const MeshIndex& index, const Vec3& p, std::span<N
 {
     const IndexParts& parts = index.parts();
     const RowScale scale{parts.scale(), parts.unscale()};
-    const double limit = radius * scale.up * (radius * scale.up);
     Neighbourhood result;
     if (buffer.empty()) {
         visit_within(parts, p, radius, [&](const auto&, double) {
@@ -255,25 +286,29 @@ Neighbourhood collect_nearest(const MeshIndex& index, const Vec3& p, std::span<N
         });
         return result;
     }
-    // A heap with the farthest at its top; distances are scaled until the end.
-    visit_within(parts, p, radius, [&](const auto& row, double squared) {
-        const NearTriangle found{squared, TriangleId{row.triangle_id()}};
-        if (result.written == buffer.size()) {
-            if (!(found < buffer.front())) return buffer.front().squared_distance;
-            std::pop_heap(buffer.begin(), buffer.end());
-            --result.written;
-        }
-        buffer[result.written++] = found;
-        std::push_heap(buffer.begin(),
-                       buffer.begin() + static_cast<std::ptrdiff_t>(result.written));
-        return result.written == buffer.size() ? buffer.front().squared_distance : limit;
-    });
+    result.written = nearest_after(parts, p, radius, before_all, buffer);
     result.complete = result.written < buffer.size() || buffer.size() == parts.triangle_count();
-    const auto found = buffer.first(result.written);
-    std::sort_heap(found.begin(), found.end());
-    for (NearTriangle& one : found)
+    for (NearTriangle& one : buffer.first(result.written))
         one.squared_distance = scale.unscale_squared(one.squared_distance);
     return result;
+}
+
+void visit_nearest(const MeshIndex& index, const Vec3& p, std::span<NearTriangle> batch,
+                   FunctionRef<Flow(TriangleId, double)> visitor, double radius) noexcept
+{
+    PROXIMA_CHECK(!batch.empty());
+    const IndexParts& parts = index.parts();
+    const RowScale scale{parts.scale(), parts.unscale()};
+    NearTriangle last = before_all;
+    std::size_t count = batch.size();
+    while (count == batch.size()) {
+        count = nearest_after(parts, p, radius, last, batch);
+        for (const NearTriangle& one : batch.first(count)) {
+            if (visitor(one.triangle, scale.unscale_squared(one.squared_distance)) == Flow::stop)
+                return;
+            last = one;
+        }
+    }
 }
 
 Neighbourhood collect_features(const MeshIndex& index, const Vec3& p, double radius,

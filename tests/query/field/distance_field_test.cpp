@@ -146,6 +146,73 @@ TEST(DistanceField, HasThemOnBrokenMeshesAndGridsOfAnyShape)
                           {.origin = Vec3(-100, -90, -80), .spacing = 13, .size = {17, 16, 15}});
 }
 
+/// Without the triangles whose middle is beyond the plane z = `height`.
+TriangleMesh cut_off(const TriangleMesh& mesh, double height)
+{
+    std::vector<TriangleCorners> kept;
+    for (std::uint32_t id = 0; id < mesh.triangle_count(); ++id) {
+        const Triangle t = mesh.triangle(TriangleId{id});
+        if (t[0].z() + t[1].z() + t[2].z() < 3 * height) kept.push_back(mesh.triangles()[id]);
+    }
+    return mesh_of({mesh.positions().begin(), mesh.positions().end()}, kept);
+}
+
+/// Each triangle with vertices of its own: all edges are border.
+TriangleMesh unjoined(const TriangleMesh& mesh)
+{
+    std::vector<Vec3> positions;
+    std::vector<TriangleCorners> triangles;
+    for (std::uint32_t id = 0; id < mesh.triangle_count(); ++id) {
+        const auto first = static_cast<std::uint32_t>(positions.size());
+        const Triangle t = mesh.triangle(TriangleId{id});
+        positions.insert(positions.end(), {t[0], t[1], t[2]});
+        triangles.push_back({first, first + 1, first + 2});
+    }
+    return mesh_of(positions, triangles);
+}
+
+TEST(DistanceField, HasThemOnOpenMeshes)
+{
+    const TriangleMesh sphere = sample_mesh("icosphere:4").value();
+    const TriangleMesh torus = sample_mesh("torus:40x20").value();
+    const std::vector<NamedMesh> meshes = {
+        {"small hole", cut_off(sphere, 0.98)},
+        {"half", cut_off(sphere, 0)},
+        {"bowl", cut_off(sphere, -0.7)},
+        {"inside out", inverted(cut_off(sphere, 0.5))},
+        {"twice", joined(cut_off(sphere, 0.5), cut_off(sphere, 0.5))},
+        {"nested",
+         joined(cut_off(sphere, 0.9),
+                moved(cut_off(sphere, 0.4), [](const Vec3& p) { return Vec3(0.5 * p); }))},
+        {"torus", cut_off(torus, 0.1)},
+        {"unjoined", unjoined(sphere)},
+        {"far away", moved(cut_off(sphere, 0.5),
+                           [](const Vec3& p) { return Vec3(p + Vec3(1e6, 2e6, -1e6)); })}};
+    for (const NamedMesh& named : meshes) {
+        SCOPED_TRACE(named.name);
+        const Signed of(named.mesh);
+        ASSERT_FALSE(of.arrays().is_closed());
+        expect_single_answers(of, grid_of(of.mesh, 24));
+        const Box box = bounding_box(of.mesh);
+        // Far finer than the triangles, across the border.
+        const Vec3 corner(box.center().x(), box.center().y(), box.upper.z() - 0.1);
+        expect_single_answers(of, {.origin = corner, .spacing = 0.011, .size = {34, 12, 18}}, 0.2);
+    }
+}
+
+TEST(DistanceField, HasThemWhereTrianglesAreFarApartAndFine)
+{
+    // Blocks with many triangles, with a few, and with one.
+    const Signed fine(sample_mesh("torus:300x150").value());
+    expect_single_answers(fine, grid_of(fine.mesh, 36));
+    const Signed coarse(sample_mesh("icosphere:0").value());
+    expect_single_answers(coarse, grid_of(coarse.mesh, 37));
+    // In the middle of a ball all triangles are as near.
+    const Signed ball(sample_mesh("icosphere:5").value());
+    expect_single_answers(
+        ball, {.origin = Vec3::Constant(-0.01), .spacing = 0.002, .size = {11, 10, 12}});
+}
+
 TEST(DistanceField, HasThemWhereSquaresLeaveTheDoubles)
 {
     for (const double size : {1e-200, 1e-160, 1e150, 1e160}) {

@@ -304,6 +304,48 @@ TEST(NearestTriangles, AreTheFirstOfAllByDistanceAndId)
     EXPECT_GT(ties, 20U) << "the id decides some";
 }
 
+TEST(NearestTriangles, AreVisitedInOrderUntilTheVisitorStops)
+{
+    std::size_t ties = 0;
+    for_balls(5, 8, [&](const auto& mesh, const auto&, const auto& index, const Ball& ball) {
+        std::vector<NearTriangle> all;
+        visit_triangles(index, ball.p, HUGE_VAL, [&](TriangleId id, double squared) {
+            all.push_back({squared, id});
+            return Flow::proceed;
+        });
+        std::ranges::sort(all, [](const auto& a, const auto& b) { return a < b; });
+        ASSERT_EQ(all.size(), mesh.triangle_count());
+        for (const std::size_t size :
+             {std::size_t{1}, std::size_t{3}, all.size(), all.size() + 1}) {
+            for (const double radius : {HUGE_VAL, ball.radius}) {
+                std::vector<NearTriangle> batch(size);
+                std::vector<NearTriangle> visited;
+                std::size_t most = all.size();
+                const auto visitor = [&](TriangleId id, double squared) {
+                    visited.push_back({squared, id});
+                    return visited.size() < most ? Flow::proceed : Flow::stop;
+                };
+                visit_nearest(index, ball.p, batch, visitor, radius);
+                std::vector<NearTriangle> wanted = all;
+                if (radius == ball.radius) {
+                    std::vector<TriangleId> patch(all.size());
+                    wanted.resize(collect_triangles(index, ball.p, radius, patch).written);
+                }
+                EXPECT_EQ(visited, wanted) << "batches of " << size;
+                if (wanted.size() < 2) continue;
+                most = wanted.size() / 2;
+                visited.clear();
+                visit_nearest(index, ball.p, batch, visitor, radius);
+                wanted.resize(most);
+                EXPECT_EQ(visited, wanted) << "batches of " << size;
+            }
+        }
+        for (std::size_t i = 1; i < all.size(); ++i)
+            ties += all[i - 1].squared_distance == all[i].squared_distance ? 1 : 0;
+    });
+    EXPECT_GT(ties, 20U) << "batches end between some";
+}
+
 TEST(NearestTriangles, AcceptOddQuestions)
 {
     const MeshIndex index = build_mesh_index(cube_mesh(Vec3::Zero(), 1.0)).value();
@@ -318,6 +360,21 @@ TEST(NearestTriangles, AcceptOddQuestions)
     EXPECT_EQ(written(Vec3::Zero(), -1), 0U);
     EXPECT_EQ(written(Vec3(NAN, 0, 0), infinite), 0U);
     EXPECT_EQ(written(Vec3(1e300, 0, 0), infinite), 3U);
+    const auto visited = [&](const Vec3& p, double radius) {
+        std::size_t count = 0;
+        const auto visitor = [&](TriangleId, double) {
+            ++count;
+            return Flow::proceed;
+        };
+        visit_nearest(index, p, three, visitor, radius);
+        return count;
+    };
+    EXPECT_EQ(visited(Vec3::Zero(), 0.999), 0U);
+    EXPECT_EQ(visited(Vec3::Zero(), 1), 12U);
+    EXPECT_EQ(visited(Vec3::Zero(), NAN), 0U);
+    EXPECT_EQ(visited(Vec3::Zero(), -1), 0U);
+    EXPECT_EQ(visited(Vec3(NAN, 0, 0), infinite), 0U);
+    EXPECT_EQ(visited(Vec3(1e300, 0, 0), infinite), 12U);
     EXPECT_FALSE(collect_nearest(index, Vec3::Zero(), {}).complete);
     EXPECT_TRUE(collect_nearest(index, Vec3::Zero(), {}, 0.5).complete);
     // Where squares of the mesh's own unit vanish or overflow.
@@ -456,6 +513,9 @@ TEST(Neighbourhoods, ReportABufferThatIsTooSmallAndDoNotAllocate)
     const Neighbourhood features = collect_features(index, p, 0.3, all_features);
     std::array<NearTriangle, 20> nearest{};
     (void)collect_nearest(index, p, nearest);
+    std::size_t visited = 0;
+    visit_nearest(index, p, nearest,
+                  [&](TriangleId, double) { return ++visited < 50 ? Flow::proceed : Flow::stop; });
     std::array<TriangleId, 20> in_box{};
     (void)collect_triangles(index, Box{p, p + Vec3::Ones()}, in_box);
     EXPECT_EQ(allocation_count(), before);
