@@ -1,7 +1,6 @@
 #include "distributed/feature_numbers.h"
 
 #include "distributed/order_by_key.h"
-#include "distributed/whole_edges.h"
 
 #include <algorithm>
 #include <span>
@@ -15,6 +14,7 @@ struct SliceEdge {
     std::uint64_t low = 0; ///< vertices of the whole
     std::uint64_t high = 0;
     std::uint64_t first_side = 0; ///< 3 times the triangle of the whole, and the side
+    std::int64_t excess = 0;      ///< triangles that run from low to high, less those that run back
 };
 
 struct SliceVertex {
@@ -67,9 +67,7 @@ public:
         if (status) status = compare_edges();
         if (status) status = number_edges_of_slice();
         if (!status) return tl::unexpected(status.error());
-        const auto unbalanced = whole_unbalanced_edges(slice_, world_);
-        if (!unbalanced) return tl::unexpected(unbalanced.error());
-        features_.unbalanced_edges = world_.sum(std::uint64_t{unbalanced->size()});
+        features_.unbalanced_edges = world_.sum(unbalanced_edges_);
         return std::move(features_);
     }
 
@@ -135,8 +133,12 @@ private:
             order_ = order_by_ends(edges_.items);
             first_sides.resize(edges_.items.size());
             each_group(order_, [&](std::span<const KeyedIndex> group) {
-                for (const KeyedIndex& at : group)
+                std::int64_t excess = 0;
+                for (const KeyedIndex& at : group) {
                     first_sides[at.index] = edges_.items[group.front().index].first_side;
+                    excess += edges_.items[at.index].excess;
+                }
+                if (excess != 0) ++unbalanced_edges_;
             });
             return {};
         });
@@ -162,6 +164,8 @@ private:
         const auto triangles = slice_.mesh.triangles();
         for (std::size_t t = 0; t < triangles.size(); ++t) {
             const TriangleCorners& corners = triangles[t];
+            const bool repeats =
+                corners[0] == corners[1] || corners[1] == corners[2] || corners[2] == corners[0];
             for (std::size_t k = 0; k < 3; ++k) {
                 const EdgeId id = features_.triangle_edges[t][k];
                 if (id == no_edge) continue;
@@ -170,6 +174,7 @@ private:
                 SliceEdge& edge = edges[to_index(id)];
                 edge.low = slice_.vertices[std::min(from, to)];
                 edge.high = slice_.vertices[std::max(from, to)];
+                if (!repeats) edge.excess += from < to ? 1 : -1;
             }
         }
         sent_.resize(ranks_);
@@ -236,6 +241,7 @@ private:
     std::vector<std::vector<std::uint32_t>> sent_; ///< by rank, edges of the slice
     Received<SliceEdge> edges_;                    ///< that this rank compares
     std::vector<KeyedIndex> order_;                ///< of these: the same key for the same edge
+    std::uint64_t unbalanced_edges_ = 0;           ///< of these
 };
 
 } // namespace

@@ -10,9 +10,11 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cstdio>
+#include <cstdlib>
 #include <exception>
 #include <functional>
 #include <map>
+#include <new>
 #include <p4est_base.h>
 #include <span>
 #include <string>
@@ -93,6 +95,43 @@ int run(int argc, char** argv, World& world)
                : 1;
 }
 
+/// Ends all ranks, with one line: the others wait for this one, which cannot tell them. Needs no
+/// memory.
+[[noreturn]] void stop_all(const char* why)
+{
+    int rank = 0;
+    MPI_Comm_rank(MPI_COMM_WORLD, &rank);
+    std::fprintf(stderr, "proxima-mpi: rank %d stopped: %s\n", rank, why);
+    MPI_Abort(MPI_COMM_WORLD, 1);
+    std::abort();
+}
+
+void stop_at_mpi_error(MPI_Comm*, int* code, ...)
+{
+    char text[MPI_MAX_ERROR_STRING] = "";
+    int length = 0;
+    MPI_Error_string(*code, text, &length);
+    stop_all(text);
+}
+
+/// What MPI cannot do ends all ranks with a line of this program.
+void name_errors_of_mpi()
+{
+    MPI_Errhandler handler = MPI_ERRHANDLER_NULL;
+    MPI_Comm_create_errhandler(stop_at_mpi_error, &handler);
+    MPI_Comm_set_errhandler(MPI_COMM_WORLD, handler);
+}
+
+void start_p4est()
+{
+    sc_init(MPI_COMM_WORLD, 0, 0, nullptr, SC_LP_ERROR);
+    sc_set_abort_handler([] {
+        stop_all("p4est could not go on, most likely because memory ran out; its own lines say "
+                 "where");
+    });
+    p4est_init(nullptr, SC_LP_ERROR);
+}
+
 } // namespace
 
 } // namespace proxima
@@ -100,16 +139,16 @@ int run(int argc, char** argv, World& world)
 int main(int argc, char** argv)
 {
     MPI_Init(&argc, &argv);
-    sc_init(MPI_COMM_WORLD, 0, 0, nullptr, SC_LP_ERROR);
-    p4est_init(nullptr, SC_LP_ERROR);
+    proxima::name_errors_of_mpi();
     int exit_status = 1;
     try {
         proxima::World world;
+        proxima::start_p4est();
         exit_status = proxima::run(argc, argv, world);
+    } catch (const std::bad_alloc&) {
+        proxima::stop_all("memory ran out: use more machines, or fewer ranks on each");
     } catch (const std::exception& error) {
-        // One rank alone cannot tell the others, which wait for it.
-        std::fprintf(stderr, "proxima-mpi: stopped: %s\n", error.what());
-        MPI_Abort(MPI_COMM_WORLD, 1);
+        proxima::stop_all(error.what());
     }
     sc_finalize();
     MPI_Finalize();

@@ -135,6 +135,7 @@ Result<OctreePart> octree_of(const OctreeRunOptions& options, World& world, std:
     if (is_octree_file(options.model)) {
         auto part = load_part(options.model, options.routing_depth, world);
         if (!part) return part;
+        part->work_seconds = world.work_seconds();
         line = fmt::format("{}: {} triangles, {} ranks, loaded in {:.3f} s", options.model,
                            part->whole_triangles, world.size(), MPI_Wtime() - start);
         return part;

@@ -15,7 +15,7 @@ struct OctreePart {
     std::uint32_t upper_records = 0;
     std::vector<Cell> cells;           ///< this rank's, in Morton order
     std::uint64_t whole_triangles = 0; ///< of the whole mesh
-    double work_seconds = 0;           ///< processor time to build it, without messages and waiting
+    double work_seconds = 0; ///< processor time to build or load it, without messages and waiting
     std::vector<std::uint64_t> triangles; ///< the whole mesh's id of each; none: lists have those
 
     [[nodiscard]] std::uint64_t whole_id(TriangleId id) const noexcept

@@ -2,6 +2,7 @@
 
 #include <ctime>
 #include <fstream>
+#include <stdexcept>
 #include <string>
 
 namespace proxima {
@@ -10,6 +11,19 @@ World::World()
 {
     MPI_Comm_rank(MPI_COMM_WORLD, &rank_);
     MPI_Comm_size(MPI_COMM_WORLD, &size_);
+    // Where memory ran out in MPI_Init, Open MPI may go on with ranks that listen where others do not
+    // send: each would wait for ever.
+    constexpr double seconds = 30;
+    const std::vector<int> sent(static_cast<std::size_t>(size_));
+    std::vector<int> received(sent.size());
+    MPI_Request request = MPI_REQUEST_NULL;
+    MPI_Ialltoall(sent.data(), 1, MPI_INT, received.data(), 1, MPI_INT, MPI_COMM_WORLD, &request);
+    int is_done = 0;
+    for (const double start = MPI_Wtime(); is_done == 0 && MPI_Wtime() < start + seconds;)
+        MPI_Test(&request, &is_done, MPI_STATUS_IGNORE);
+    if (is_done != 0) return;
+    throw std::runtime_error("it cannot reach all other ranks: memory may have run out while MPI "
+                             "started");
 }
 
 Status World::agree(const Status& status) const
@@ -59,6 +73,16 @@ void World::count_sent(std::size_t bytes)
     if (size_ == 1) return;
     sent_bytes_ += bytes;
     ++sent_messages_;
+}
+
+MPI_Datatype World::item_type(std::size_t bytes)
+{
+    const auto [at, is_new] = item_types_.try_emplace(bytes, MPI_DATATYPE_NULL);
+    if (is_new) {
+        MPI_Type_contiguous(static_cast<int>(bytes), MPI_BYTE, &at->second);
+        MPI_Type_commit(&at->second);
+    }
+    return at->second;
 }
 
 void World::send_to_first(std::span<const std::byte> bytes)

@@ -9,6 +9,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <limits>
+#include <map>
 #include <mpi.h>
 #include <new>
 #include <span>
@@ -30,6 +31,7 @@ struct Received {
 /// ranks call it in the same order.
 class World {
 public:
+    /// Throws std::runtime_error where the ranks cannot reach each other within half a minute.
     World();
 
     // Not collective.
@@ -123,9 +125,9 @@ public:
             return {};
         });
         if (!status) return tl::unexpected(status.error());
-        const ItemType<T> type;
-        MPI_Allgatherv(items.data(), static_cast<int>(own), type.value, received.items.data(),
-                       counts.data(), offsets.data(), type.value, MPI_COMM_WORLD);
+        MPI_Datatype type = item_type(sizeof(T));
+        MPI_Allgatherv(items.data(), static_cast<int>(own), type, received.items.data(),
+                       counts.data(), offsets.data(), type, MPI_COMM_WORLD);
         sent_bytes_ += own * sizeof(T) * (ranks - 1);
         if (own > 0) sent_messages_ += ranks - 1;
         return received;
@@ -185,20 +187,9 @@ public:
     [[nodiscard]] Status expect_same(std::uint64_t hash, const std::string& file) const;
 
 private:
-    /// The type by which MPI sends items of type T: their bytes.
-    template <class T>
-    struct ItemType {
-        MPI_Datatype value = MPI_DATATYPE_NULL;
-
-        ItemType()
-        {
-            MPI_Type_contiguous(static_cast<int>(sizeof(T)), MPI_BYTE, &value);
-            MPI_Type_commit(&value);
-        }
-        ItemType(const ItemType&) = delete;
-        ItemType& operator=(const ItemType&) = delete;
-        ~ItemType() { MPI_Type_free(&value); }
-    };
+    /// The type by which MPI sends items of so many bytes. Made once for each size, since Open MPI
+    /// dies where it makes one and memory runs out.
+    [[nodiscard]] MPI_Datatype item_type(std::size_t bytes);
 
     /// A message to rank 0, which receives it. At most 2^31 bytes; each waits for the other. Not
     /// collective.
@@ -254,9 +245,9 @@ private:
             return {};
         });
         if (!status) return tl::unexpected(status.error());
-        const ItemType<T> type;
-        MPI_Alltoallv(sent.data(), counts.data(), offsets.data(), type.value, received.items.data(),
-                      in_counts.data(), in_offsets.data(), type.value, MPI_COMM_WORLD);
+        MPI_Datatype type = item_type(sizeof(T));
+        MPI_Alltoallv(sent.data(), counts.data(), offsets.data(), type, received.items.data(),
+                      in_counts.data(), in_offsets.data(), type, MPI_COMM_WORLD);
         return received;
     }
 
@@ -274,6 +265,7 @@ private:
     std::uint64_t sent_bytes_ = 0;
     std::uint64_t sent_messages_ = 0;
     double work_seconds_ = 0;
+    std::map<std::size_t, MPI_Datatype> item_types_; ///< by size
     Progress progress_;
 };
 

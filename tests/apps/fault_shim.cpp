@@ -1,7 +1,7 @@
 // A library to be loaded before a program (LD_PRELOAD) that makes one call of the system or the
 // heap fail, or kills the program there. Counting begins with main and ends with it.
 //
-//     FAULT_CALL    allocate | open | write | fsync | close | rename
+//     FAULT_CALL    allocate | new (of C++ alone) | open | write | fsync | close | rename
 //     FAULT_AT      which of these calls, from 1; 0 or nothing: none
 //     FAULT_ACTION  fail (no memory, or a full disk) | kill
 //     FAULT_COUNT   a file that is written at the end: how many such calls there were
@@ -14,6 +14,7 @@
 #include <cstring>
 #include <dlfcn.h>
 #include <fcntl.h>
+#include <new>
 #include <sys/mman.h>
 #include <sys/syscall.h>
 #include <sys/types.h>
@@ -21,7 +22,7 @@
 
 namespace {
 
-enum class Call { none, allocate, open, write, fsync, close, rename };
+enum class Call { none, allocate, create, open, write, fsync, close, rename };
 
 struct Plan {
     Call call = Call::none;
@@ -44,6 +45,7 @@ void read_plan()
     const char* const call = std::getenv("FAULT_CALL");
     const char* const at = std::getenv("FAULT_AT");
     plan.call = is(call, "allocate") ? Call::allocate
+                : is(call, "new")    ? Call::create
                 : is(call, "open")   ? Call::open
                 : is(call, "write")  ? Call::write
                 : is(call, "fsync")  ? Call::fsync
@@ -109,6 +111,14 @@ int full_disk() noexcept
 }
 
 } // namespace
+
+/// The other forms call this one, but for those of a given alignment.
+void* operator new(std::size_t size)
+{
+    void* const memory = fails(Call::create) ? nullptr : std::malloc(size);
+    if (memory == nullptr) throw std::bad_alloc();
+    return memory;
+}
 
 // NOLINTBEGIN(*-reserved-identifier): the names of the system's library
 extern "C" {

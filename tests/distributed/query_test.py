@@ -6,7 +6,7 @@ import struct
 import subprocess
 import unittest
 
-from octree_test import PROXIMA, DistributedTest, Stopping, command, faulty, messages, nasty_mesh, on_a_full_disk, ply, run
+from octree_test import PROXIMA, DistributedTest, command, faulty, messages, nasty_mesh, on_a_full_disk, ply, ranks_of, run, run_each
 from octree_test import npy as mesh_npy
 
 SEED = int(os.environ.get("SEED", random.randrange(1 << 30)))
@@ -59,14 +59,14 @@ class QueryTest(DistributedTest):
 
     def verify(self, command, model, table, *options, ranks=(1, 2, 3, 4)):
         """Runs with --verify on so many ranks: all write the same bytes."""
-        written = set()
-        for count in ranks:
-            out = self.folder / "out.csv"
-            option = {"closest": "--points", "sign": "--points", "rays": "--rays"}[command]
-            result = run(count, command, model, option, table, "--out", out, "--verify", *options)
+        ranks = list(dict.fromkeys(ranks))
+        outs = [self.folder / f"out_{count}.csv" for count in ranks]
+        option = {"closest": "--points", "sign": "--points", "rays": "--rays"}[command]
+        results = run_each((count, command, model, option, table, "--out", out, "--verify", *options) for count, out in zip(ranks, outs))
+        for count, result in zip(ranks, results):
             self.assertEqual(result.returncode, 0, f"{model} on {count} ranks, seed {SEED}: {result.stderr}")
             self.assertIn("Answers are those of one process.", result.stdout)
-            written.add(out.read_bytes())
+        written = {out.read_bytes() for out in outs}
         self.assertEqual(len(written), 1)
         return written.pop().decode()
 
@@ -406,7 +406,7 @@ class QueryFaults(QueryTest):
             self.addCleanup(process.kill)
             while "answering" not in (line := process.stderr.readline()):
                 self.assertNotEqual(line, "", "the run ended before it answered")
-            os.kill(Stopping.ranks(process)[1], signal.SIGKILL)
+            os.kill(ranks_of(process)[1], signal.SIGKILL)
             _, errors = process.communicate(timeout=200)
             self.assertEqual(process.returncode, 128 + signal.SIGKILL, errors)
             self.assertIn("signal 9", errors)
