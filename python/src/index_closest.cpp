@@ -130,7 +130,7 @@ py::object closest(const MeshIndex& index, const py::object& points, const py::o
         return shares_memory(*array, argument.points());
     };
     if (!out.is_none() && std::ranges::any_of(arrays.all(), shares))
-        argument = PointsArgument(py::array(points.attr("copy")()), "points");
+        argument = PointsArgument(py::module_::import("numpy").attr("array")(points), "points");
     const ClosestOutputs outputs{
         .triangles = elements_of_any<TriangleId, std::int32_t>(arrays.triangle),
         .distances = elements_of_any<double, double>(arrays.distance),
