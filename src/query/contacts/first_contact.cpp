@@ -4,12 +4,13 @@
 #include "geometry/exact_predicates.h"
 #include "geometry/triangle_contact.h"
 #include "geometry/triangle_distance.h"
+#include "query/contacts/child_steps.h"
+#include "query/contacts/leaf_pairs.h"
 
 #include <algorithm>
 #include <array>
-#include <bit>
 #include <cmath>
-#include <tuple>
+#include <utility>
 
 namespace proxima {
 
@@ -22,132 +23,6 @@ std::uint64_t share_until(double time)
 {
     return static_cast<std::uint64_t>(std::clamp(time, 0.0, 1.0) * whole_share);
 }
-
-Along operator-(const Along& along)
-{
-    return {-along.direction,    -along.in_b,  -along.turning,
-            -along.turning_in_b, -along.drift, along.across};
-}
-
-OwnBox child_box(const IndexNode& node, std::size_t slot)
-{
-    OwnBox box;
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-        const double lower = node.plane(axis, slot);
-        const double upper = node.plane(axis, 8 + slot);
-        box.center[axis] = static_cast<float>(0.5 * (lower + upper));
-        box.half[axis] = static_cast<float>(0.5 * (upper - lower));
-    }
-    return box;
-}
-
-/// The axes of both meshes, made ready when they are first asked for.
-class MeshAxes {
-public:
-    MeshAxes(const MotionBounds& bounds, const MovedFrame& frame) : bounds_(bounds), frame_(frame)
-    {}
-
-    const std::array<Along, 6>& operator()()
-    {
-        if (!is_ready_) {
-            for (int i = 0; i < 3; ++i) {
-                const auto axis = static_cast<std::size_t>(i);
-                axes_[axis] = bounds_.along(Vec3::Unit(i), frame_);
-                axes_[3 + axis] = bounds_.along(frame_.pose.rotation.col(i).normalized(), frame_);
-            }
-            is_ready_ = true;
-        }
-        return axes_;
-    }
-
-private:
-    const MotionBounds& bounds_;
-    const MovedFrame& frame_;
-    std::array<Along, 6> axes_;
-    bool is_ready_ = false;
-};
-
-/// The longest step of several directions, `hint` the first. Ends where one is `enough`.
-BestStep step_of_blocks(const MotionBounds& bounds, const BoundedBlock& a, const BoundedBlock& b,
-                        const MovedFrame& frame, MeshAxes& axes, const Vec3& hint, double enough)
-{
-    BestStep best;
-    const auto is_enough = [&](const Along& along) {
-        const double step = bounds.step(along, a, b);
-        if (step > best.step) best = {step, along.direction};
-        return best.step >= enough;
-    };
-    const Vec3 between = b.center - a.center;
-    const auto is_enough_along = [&](const Vec3& direction) {
-        if (direction.isZero(0)) return false;
-        return is_enough(
-            bounds.along(direction.dot(between) < 0 ? Vec3(-direction) : direction, frame));
-    };
-    if (is_enough_along(hint)) return best;
-    if (is_enough_along(between.stableNormalized())) return best;
-    if (is_enough_along(a.normal)) return best;
-    if (is_enough_along((frame.pose.rotation * b.normal).stableNormalized())) return best;
-    for (const Along& axis : axes())
-        if (is_enough(axis.direction.dot(between) < 0 ? -axis : axis)) return best;
-    return best;
-}
-
-/// The triangles of two leaves, and of their pairs those that are not sure to stay apart.
-class LeafPairs {
-public:
-    LeafPairs(const MotionBounds& bounds, const IndexLeaf& a, const IndexLeaf& b,
-              const MovedFrame& frame)
-        : bounds_(bounds), a_(a), b_(b), frame_(frame)
-    {
-        for (std::uint32_t i = 0; i < a.count; ++i)
-            of_a_[i] = bounds.triangle_of_a(a.first_row + i);
-        for (std::uint32_t k = 0; k < b.count; ++k)
-            of_b_[k] = bounds.triangle_of_b(b.first_row + k, frame);
-        const std::uint64_t row = (1U << b.count) - 1;
-        for (std::uint32_t i = 0; i < a.count; ++i) left_ |= row << 8 * i;
-    }
-
-    [[nodiscard]] bool empty() const { return left_ == 0; }
-
-    /// Takes away pairs that are apart along a direction for as long. Returns whether there were any.
-    bool filter(const Vec3& direction, double within)
-    {
-        if (direction.isZero(0) || left_ == 0) return false;
-        const std::uint64_t before = left_;
-        const Along along = bounds_.along(direction, frame_);
-        std::array<double, 8> least{};
-        for (std::size_t k = 0; k < b_.count; ++k)
-            least[k] = bounds_.least_within(along, of_b_[k], frame_, within);
-        for (std::size_t i = 0; i < a_.count; ++i) {
-            double top = -MotionBounds::never;
-            for (const Vec3& p : of_a_[i].vertices) top = std::max(top, direction.dot(p));
-            for (std::size_t k = 0; k < b_.count; ++k)
-                if (least[k] > top) left_ &= ~(std::uint64_t{1} << (8 * i + k));
-        }
-        return left_ != before;
-    }
-
-    struct Rows {
-        std::uint32_t a;
-        std::uint32_t b;
-    };
-    /// \pre not empty
-    Rows pop()
-    {
-        const auto at = static_cast<std::uint32_t>(std::countr_zero(left_));
-        left_ &= left_ - 1;
-        return {a_.first_row + at / 8, b_.first_row + at % 8};
-    }
-
-private:
-    const MotionBounds& bounds_;
-    const IndexLeaf& a_;
-    const IndexLeaf& b_;
-    const MovedFrame& frame_;
-    std::array<Triangle, 8> of_a_;
-    std::array<Triangle, 8> of_b_;
-    std::uint64_t left_ = 0; ///< bit 8 i + k
-};
 
 } // namespace
 
@@ -210,21 +85,30 @@ double FirstContactSearch::search_window(double start, double end) noexcept
 {
     current_ = start;
     if (is_out_of_steps()) return start;
-    constexpr OwnBox root = {{0, 0, 0}, {1.01F, 1.01F, 1.01F}};
+    constexpr BlockBox root = {{0, 0, 0}, {1.01F, 1.01F, 1.01F}};
     const MovedFrame frame = bounds_.frame_at(start);
-    MeshAxes axes(bounds_, frame);
-    const BestStep first =
-        step_of_blocks(bounds_, bounds_.block_of_a(root, a_.root()),
-                       bounds_.block_of_b(root, b_.root(), frame), frame, axes, recent_, 1 - start);
+    const BoundedBlock whole_a = bounds_.block_of_a(root, a_.root());
+    const BoundedBlock whole_b = bounds_.block_of_b(root, b_.root(), frame);
+    ChildSteps first;
+    find_child_steps(bounds_,
+                     {.frame = frame,
+                      .a = whole_a,
+                      .b = whole_b,
+                      .node = nullptr,
+                      .opens_a = false,
+                      .hint = recent_,
+                      .within = 1 - start,
+                      .enough = 1 - start},
+                     first);
     ++found_.steps;
-    const double free_until = start + first.step * rounded_down;
+    const double free_until = start + first.step[0] * rounded_down;
     if (free_until >= end) {
         dismiss(share_until(free_until) - share_until(start));
         return free_until;
     }
     limit_ = end;
     enough_ = end;
-    pending_.push({free_until, a_.root(), b_.root(), root, root, first.direction,
+    pending_.push({free_until, a_.root(), b_.root(), root, root, first.direction_of(0),
                    share_until(end) - share_until(start)});
     while (!pending_.empty()) {
         const PendingBlocks at = pending_.pop();
@@ -259,7 +143,7 @@ double FirstContactSearch::give_up(const PendingBlocks& at, double start, double
 
 void FirstContactSearch::open(const PendingBlocks& at) noexcept
 {
-    const auto largest = [](const OwnBox& box, double unit) {
+    const auto largest = [](const BlockBox& box, double unit) {
         return unit * double{std::max({box.half[0], box.half[1], box.half[2]})};
     };
     const bool opens_a =
@@ -269,37 +153,39 @@ void FirstContactSearch::open(const PendingBlocks& at) noexcept
     const IndexNode& node =
         opens_a ? a_.blocks()[at.reference_a].node : b_.blocks()[at.reference_b].node;
     const MovedFrame frame = bounds_.frame_at(at.time);
-    MeshAxes axes(bounds_, frame);
-    struct Child {
-        PendingBlocks blocks;
-        double apart; ///< squared, of the centers
-    };
-    std::array<Child, 8> children; // the latest first
+    const BoundedBlock a = bounds_.block_of_a(at.box_a, at.reference_a);
+    const BoundedBlock b = bounds_.block_of_b(at.box_b, at.reference_b, frame);
+    ChildSteps steps;
+    find_child_steps(bounds_,
+                     {.frame = frame,
+                      .a = a,
+                      .b = b,
+                      .node = &node,
+                      .opens_a = opens_a,
+                      .hint = at.direction,
+                      .within = limit_ - at.time,
+                      .enough = enough_ - at.time},
+                     steps);
+    std::array<std::uint8_t, 8> order; // the latest first
     std::size_t count = 0;
-    BoundedBlock a = bounds_.block_of_a(at.box_a, at.reference_a);
-    BoundedBlock b = bounds_.block_of_b(at.box_b, at.reference_b, frame);
-    for (std::size_t slot = 0; slot < 8; ++slot) {
-        if (!node.has_child(slot)) continue;
-        PendingBlocks next = at;
-        (opens_a ? next.reference_a : next.reference_b) = node.children[slot];
-        (opens_a ? next.box_a : next.box_b) = child_box(node, slot);
-        if (opens_a) a = bounds_.block_of_a(next.box_a, next.reference_a);
-        if (!opens_a) b = bounds_.block_of_b(next.box_b, next.reference_b, frame);
-        const BestStep best =
-            step_of_blocks(bounds_, a, b, frame, axes, at.direction, enough_ - at.time);
-        next.time = at.time + best.step * rounded_down;
-        if (is_enough(next.time)) continue;
-        next.direction = best.direction;
-        const Child child = {next, (b.center - a.center).squaredNorm()};
-        const auto key = [](const Child& c) { return std::tuple(c.blocks.time, c.apart); };
+    for (std::uint8_t slot = 0; slot < 8; ++slot) {
+        if (steps.step[slot] < 0) continue;
+        steps.step[slot] = at.time + steps.step[slot] * rounded_down;
+        if (is_enough(steps.step[slot])) continue;
+        const auto key = [&](std::uint8_t s) { return std::pair(steps.step[s], steps.apart[s]); };
         std::size_t position = count++;
-        for (; position > 0 && key(children[position - 1]) < key(child); --position)
-            children[position] = children[position - 1];
-        children[position] = child;
+        for (; position > 0 && key(order[position - 1]) < key(slot); --position)
+            order[position] = order[position - 1];
+        order[position] = slot;
     }
     std::uint64_t left = at.share;
     for (std::size_t i = 0; i < count; ++i) {
-        PendingBlocks& next = children[i].blocks;
+        const std::uint8_t slot = order[i];
+        PendingBlocks next = at;
+        next.time = steps.step[slot];
+        (opens_a ? next.reference_a : next.reference_b) = node.children[slot];
+        (opens_a ? next.box_a : next.box_b) = steps.box[slot];
+        next.direction = steps.direction_of(slot);
         next.share = left / (count - i);
         left -= next.share;
         pending_.push(next);
@@ -335,25 +221,33 @@ BestStep FirstContactSearch::step_of(const MovedTriangles& pair, const MovedFram
 {
     const double enough = enough_ - frame.time;
     if (!hint.isZero(0)) {
-        const double step = bounds_.step(bounds_.along(hint, frame), pair);
+        const double step = bounds_.step(bounds_.along(hint), pair);
         if (step >= enough) return {step, hint};
     }
+    BestStep best;
+    const auto try_along = [&](const Vec3& direction, const Vec3& towards) {
+        if (direction.isZero(0) || best.step >= enough) return;
+        const Vec3 there = direction.dot(towards) < 0 ? Vec3(-direction) : direction;
+        const double step = bounds_.step(bounds_.along(there), pair);
+        if (step > best.step) best = {step, there};
+    };
+    const auto side = [](const Triangle& t, int i) { return Vec3(t[(i + 1) % 3] - t[i]); };
+    // Most pairs are dismissed by a plane through one of the triangles, which takes least to try.
+    for (const Triangle* const t : {&pair.a, &pair.b}) {
+        const Vec3 normal = side(*t, 0).cross(side(*t, 1));
+        const double length = normal.norm();
+        constexpr double safe = 1e-100; // squares have not vanished
+        if (length > safe) try_along(normal / length, pair.b[0] - pair.a[0]);
+    }
+    if (best.step >= enough) return best;
     const ClosestTrianglePoints closest = closest_points(pair.a, pair.b);
     const Vec3 across = closest.second.point - closest.first.point;
-    BestStep best = {0, across.stableNormalized()};
-    const auto try_along = [&](const Vec3& direction) {
-        if (direction.isZero(0) || best.step >= enough) return;
-        const double step = bounds_.step(bounds_.along(direction, frame), pair);
-        if (step > best.step) best = {step, direction};
-    };
     const auto consider = [&](const Vec3& u, const Vec3& v) {
-        if (best.step >= enough) return;
-        const Vec3 direction = unit_normal({Vec3::Zero(), u}, {Vec3::Zero(), v});
-        try_along(direction.dot(across) < 0 ? Vec3(-direction) : direction);
+        if (best.step < enough)
+            try_along(unit_normal({Vec3::Zero(), u}, {Vec3::Zero(), v}), across);
     };
-    try_along(best.direction);
+    try_along(across.stableNormalized(), across);
     // Points that are all but one say little about the direction; the triangles say it.
-    const auto side = [](const Triangle& t, int i) { return Vec3(t[(i + 1) % 3] - t[i]); };
     consider(side(pair.a, 0), side(pair.a, 1));
     consider(side(pair.b, 0), side(pair.b, 1));
     const auto number = [](TrianglePart part) {
@@ -364,6 +258,7 @@ BestStep FirstContactSearch::step_of(const MovedTriangles& pair, const MovedFram
     const int on_a = number(closest.first.part);
     const int on_b = number(closest.second.part);
     if (on_a >= 0 && on_b >= 0) consider(side(pair.a, on_a), side(pair.b, on_b));
+    if (best.step == 0) best.direction = across.stableNormalized();
     return best;
 }
 

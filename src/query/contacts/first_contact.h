@@ -61,8 +61,8 @@ private:
         double time;
         std::uint32_t reference_a;
         std::uint32_t reference_b;
-        OwnBox box_a;
-        OwnBox box_b;
+        BlockBox box_a;
+        BlockBox box_b;
         Vec3 direction;      ///< the best of the last step
         std::uint64_t share; ///< of the progress
     };

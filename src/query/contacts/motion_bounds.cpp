@@ -111,20 +111,14 @@ MovedFrame MotionBounds::frame_at(double time) const noexcept
     return frame;
 }
 
-Along MotionBounds::along(const Vec3& direction, const MovedFrame& frame) const noexcept
+Along MotionBounds::along(const Vec3& direction) const noexcept
 {
-    const Vec3 turning = direction.cross(motion_.turn);
     // Points turn about the axis, so they are never accelerated along it.
-    const double across = std::min(1.0, direction.cross(axis_).norm() + 0x1p-48);
-    return {direction,
-            frame.pose.rotation.transpose() * direction,
-            turning,
-            frame.pose.rotation.transpose() * turning,
-            direction.dot(displacement_),
-            across};
+    const double across = std::min(1.0, direction.cross(axis_).norm() + across_error);
+    return {direction, direction.cross(motion_.turn), direction.dot(displacement_), across};
 }
 
-BoundedBlock MotionBounds::block_of(const IndexParts& index, double unit, const OwnBox& box,
+BoundedBlock MotionBounds::block_of(const IndexParts& index, double unit, const BlockBox& box,
                                     std::uint32_t reference) const noexcept
 {
     BoundedBlock block;
@@ -142,22 +136,18 @@ BoundedBlock MotionBounds::block_of(const IndexParts& index, double unit, const 
     return block;
 }
 
-BoundedBlock MotionBounds::block_of_a(const OwnBox& box, std::uint32_t reference) const noexcept
+BoundedBlock MotionBounds::block_of_a(const BlockBox& box, std::uint32_t reference) const noexcept
 {
     BoundedBlock block = block_of(a_, unit_a_, box, reference);
     block.center += center_a_;
     return block;
 }
 
-BoundedBlock MotionBounds::block_of_b(const OwnBox& box, std::uint32_t reference,
+BoundedBlock MotionBounds::block_of_b(const BlockBox& box, std::uint32_t reference,
                                       const MovedFrame& frame) const noexcept
 {
     BoundedBlock block = block_of(b_, unit_b_, box, reference);
     block.center = frame.origin + frame.pose.rotation * block.center;
-    block.arm = block.center - frame.turn_center;
-    constexpr double rigid = 1 + 0x1p-20; // the pose may be no rotation by rigid_tolerance
-    block.bend =
-        0.5 * angle_ * (motion_.turn.cross(block.arm).norm() + angle_ * block.half.norm()) * rigid;
     return block;
 }
 
@@ -175,18 +165,6 @@ MovedTriangles MotionBounds::triangles(std::uint32_t row_a, std::uint32_t row_b,
                                        const MovedFrame& frame) const noexcept
 {
     return {triangle_of_a(row_a), triangle_of_b(row_b, frame), frame.turn_center};
-}
-
-double MotionBounds::step(const Along& along, const BoundedBlock& a,
-                          const BoundedBlock& b) const noexcept
-{
-    const double gap = along.direction.dot(b.center - a.center) - a.reach(along.direction) -
-                       b.reach(-along.in_b) - margin_;
-    if (!(gap > 0)) return 0;
-    const double towards =
-        along.turning_in_b.cwiseAbs().dot(b.half) - along.drift - along.turning.dot(b.arm);
-    const double bend = along.across * b.bend;
-    return time_to_close(gap, towards, bend);
 }
 
 double MotionBounds::step(const Along& along, const MovedTriangles& pair) const noexcept

@@ -9,18 +9,13 @@
 #include "index/index_parts.h"
 #include "proxima/geometry.h"
 #include "proxima/time_of_contact.h"
+#include "query/distance/distance_search.h"
 
 #include <array>
 #include <cstdint>
 #include <limits>
 
 namespace proxima {
-
-/// What a block holds, as a box, by center and half extents in the units of its index.
-struct OwnBox {
-    std::array<float, 3> center;
-    std::array<float, 3> half;
-};
 
 /// B at a time.
 struct MovedFrame {
@@ -37,28 +32,12 @@ struct BoundedBlock {
     Vec3 normal = Vec3::Zero(); ///< of the slab, of length 1; zero where there is none
     double lower = 0;
     double upper = 0;
-    Vec3 arm = Vec3::Zero(); ///< of B's: from the center of the turn
-    double bend = 0;         ///< of B's: half the greatest acceleration of its points
-
-    /// How far it reaches from its center along v, times |v|.
-    [[nodiscard]] double reach(const Vec3& v) const noexcept
-    {
-        const double by_box = v.cwiseAbs().dot(half);
-        if (lower == upper) return by_box;
-        const double on_normal = v.dot(normal);
-        const Vec3 rest = v - on_normal * normal;
-        const double by_slab =
-            std::max(on_normal * lower, on_normal * upper) + rest.cwiseAbs().dot(half);
-        return std::min(by_box, by_slab);
-    }
 };
 
 /// A direction of length 1 from A to B, and what B's motion is along it.
 struct Along {
     Vec3 direction;
-    Vec3 in_b;         ///< the same in B's axes
-    Vec3 turning;      ///< a point at r from the center moves by drift + r . turning a unit of time
-    Vec3 turning_in_b; ///< the same in B's axes
+    Vec3 turning; ///< a point at r from the center moves by drift + r . turning a unit of time
     double drift;
     double across; ///< sine of the angle between direction and axis
 };
@@ -73,26 +52,26 @@ struct MovedTriangles {
 class PROXIMA_HIDDEN MotionBounds {
 public:
     static constexpr double never = std::numeric_limits<double>::infinity();
+    static constexpr double across_error = 0x1p-48; ///< of Along::across, at most
+    static constexpr double rigid = 1 + 0x1p-20; ///< the pose may be no rotation by rigid_tolerance
 
     /// What it is given must outlive it. \pre the indexes are not empty
     MotionBounds(const IndexParts& a, const IndexParts& b, const RigidMotion& motion) noexcept;
 
     [[nodiscard]] MovedFrame frame_at(double time) const noexcept;
-    [[nodiscard]] Along along(const Vec3& direction, const MovedFrame& frame) const noexcept;
+    [[nodiscard]] Along along(const Vec3& direction) const noexcept;
 
-    [[nodiscard]] BoundedBlock block_of_a(const OwnBox& box,
+    [[nodiscard]] BoundedBlock block_of_a(const BlockBox& box,
                                           std::uint32_t reference) const noexcept;
-    [[nodiscard]] BoundedBlock block_of_b(const OwnBox& box, std::uint32_t reference,
+    [[nodiscard]] BoundedBlock block_of_b(const BlockBox& box, std::uint32_t reference,
                                           const MovedFrame& frame) const noexcept;
     [[nodiscard]] MovedTriangles triangles(std::uint32_t row_a, std::uint32_t row_b,
                                            const MovedFrame& frame) const noexcept;
     [[nodiscard]] Triangle triangle_of_a(std::uint32_t row) const noexcept;
     [[nodiscard]] Triangle triangle_of_b(std::uint32_t row, const MovedFrame& frame) const noexcept;
 
-    /// How long blocks or triangles are sure to be apart along a direction, roundings included. 0 where
-    /// nothing can be said.
-    [[nodiscard]] double step(const Along& along, const BoundedBlock& a,
-                              const BoundedBlock& b) const noexcept;
+    /// How long triangles are sure to be apart along a direction, roundings included. 0 where nothing can
+    /// be said.
     [[nodiscard]] double step(const Along& along, const MovedTriangles& pair) const noexcept;
 
     /// Where a point of B is along the direction: least of now and after a time, less the margin. A
@@ -111,12 +90,21 @@ public:
     [[nodiscard]] double fastest() const noexcept { return fastest_; }
     /// The time in which the fastest point moves as far as roundings let nothing be said.
     [[nodiscard]] double rounding() const noexcept { return fastest_ > 0 ? margin_ / fastest_ : 1; }
-    /// In units of indexes A and B.
+    [[nodiscard]] const IndexParts& a() const noexcept { return a_; }
+    [[nodiscard]] const IndexParts& b() const noexcept { return b_; }
+    /// Units of indexes A and B.
     [[nodiscard]] double unit_a() const noexcept { return unit_a_; }
     [[nodiscard]] double unit_b() const noexcept { return unit_b_; }
+    [[nodiscard]] const Vec3& center_a() const noexcept { return center_a_; }
+    [[nodiscard]] const Vec3& displacement() const noexcept { return displacement_; }
+    [[nodiscard]] const Vec3& turn() const noexcept { return motion_.turn; }
+    [[nodiscard]] const Vec3& axis() const noexcept { return axis_; } ///< of length 1, or 0
+    [[nodiscard]] double angle() const noexcept { return angle_; }
+    /// By which a gap that is computed may be too large.
+    [[nodiscard]] double margin() const noexcept { return margin_; }
 
 private:
-    [[nodiscard]] BoundedBlock block_of(const IndexParts& index, double unit, const OwnBox& box,
+    [[nodiscard]] BoundedBlock block_of(const IndexParts& index, double unit, const BlockBox& box,
                                         std::uint32_t reference) const noexcept;
     [[nodiscard]] Triangle scaled(const Triangle& t) const noexcept
     {

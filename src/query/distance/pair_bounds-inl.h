@@ -109,6 +109,7 @@ struct ChildSlabs {
     HWY_ALIGN float lower[8] = {};
     HWY_ALIGN float upper[8] = {};
 
+    HWY_INLINE ChildSlabs() = default;
     HWY_INLINE ChildSlabs(const IndexParts& index, const IndexNode& node)
     {
         if (index.slabs().empty()) return;
