@@ -46,6 +46,18 @@ public:
     {
         scene_ = move_instances(scene_, poses, {one_thread}).value();
     }
+    /// Gives one instance in `every` the pose that it has in the list.
+    void move_some(std::span<const RigidTransform> poses, std::size_t every)
+    {
+        ids_.clear();
+        poses_.clear();
+        for (std::size_t i = 0; i < poses.size(); i += every) {
+            ids_.push_back(InstanceId{static_cast<std::uint32_t>(i)});
+            poses_.push_back(poses[i]);
+        }
+        const Status moved = move_instances(scene_, ids_, poses_, {one_thread});
+        if (!moved) throw std::runtime_error(describe(moved.error()));
+    }
     [[nodiscard]] bool casts_rays() const override { return true; }
     void prepare(std::span<const Ray> rays) override
     {
@@ -82,6 +94,8 @@ private:
 
     MeshIndex index_;
     Scene scene_;
+    std::vector<InstanceId> ids_; ///< that move, to these
+    std::vector<RigidTransform> poses_;
     std::vector<Ray> rays_;
     std::vector<std::optional<SceneHit>> hits_;
 };
@@ -211,7 +225,7 @@ void race(const std::string& name, const BenchOptions& options)
     const Workload work = make_workload(*mesh, options);
     std::vector<std::unique_ptr<ScenePeer>> peers;
     auto own = std::make_unique<ProximaScenePeer>(*mesh);
-    const ProximaScenePeer& proxima = *own;
+    ProximaScenePeer& proxima = *own;
     peers.push_back(std::move(own));
 #ifdef PROXIMA_BENCH_EMBREE
     peers.push_back(make_embree_scene_peer(*mesh));
@@ -230,6 +244,15 @@ void race(const std::string& name, const BenchOptions& options)
               [&](ScenePeer& peer) { peer.build(work.poses); });
     table.row("moving all", 1e3, "ms", options.rounds, all,
               [&](ScenePeer& peer) { peer.move(work.moved); });
+    for (const std::size_t every : {100, 1000}) {
+        std::vector<double> moving;
+        for (int round = 0; round < options.rounds; ++round) {
+            const double start = processor_seconds();
+            proxima.move_some(round % 2 == 0 ? work.poses : work.moved, every);
+            moving.push_back(processor_seconds() - start);
+        }
+        std::printf("  moving one in %-8zu  proxima %.4g ms\n", every, 1e3 * median(moving));
+    }
     for (const auto& peer : peers) {
         peer->build(work.poses);
         peer->prepare(work.rays);

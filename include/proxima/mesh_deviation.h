@@ -11,9 +11,9 @@
 // are as near to each other as was asked for. Answers are intervals that hold the true number, the
 // rounding of doubles included.
 //
-// How: the distance from one triangle of B is a convex function, so on a part of a triangle of A it
-// is largest at a corner and above its tangents. The first bounds what is largest, the second the
-// mean. Parts are cut where the closest triangle of B changes [guthe-2005], so that few are needed.
+// How: the distance from one triangle of B is a convex function. So on a part of a triangle of A it is
+// largest at a corner, which bounds the greatest distance from above, and it is nowhere below its
+// tangents, which bounds the mean from below. Parts are cut where the closest triangle of B changes [guthe-2005], so that few are needed.
 //
 // Distances are those of surfaces, without sign; signed_distance.h tells inside from outside. Each
 // function looks from A to B alone: B may have parts that no point of A is close to.
@@ -49,8 +49,8 @@ struct FarPlace {
 };
 
 struct GreatestDeviation {
-    /// Bounds of the one-sided Hausdorff distance, the largest distance of a point of A from B. Both
-    /// are 0 where all triangles of A are triangles of B.
+    /// Bounds of the one-sided Hausdorff distance: the largest distance that a point of A has from B.
+    /// Both are 0 where every triangle of A is also a triangle of B.
     DistanceBounds distance;
     /// A point of A whose distance from B is at least distance.lower, up to the rounding of its
     /// coordinates, and the point of B closest to it.
@@ -58,18 +58,19 @@ struct GreatestDeviation {
     Vec3 point_b = Vec3::Zero();
     TriangleId triangle_a = {};
     TriangleId triangle_b = {};
-    /// With max_places: points of A whose distance is within the tolerance of the greatest, the
-    /// farthest first, no two within the spacing of each other. None where the distance is 0.
+    /// Where options.max_places is not 0: points of A whose distance is within the tolerance of the
+    /// greatest one, the farthest first, no two nearer to each other than the spacing. Empty where the
+    /// distance is 0.
     std::vector<FarPlace> places;
-    /// Whether every point of A whose distance is distance.lower or more is within three times the
-    /// spacing of one of the places. False where there are more places than max_places, or where the
-    /// splits ended. True without places where the distance is 0: none is missing.
+    /// Whether every point of A whose distance is at least distance.lower is within three times the
+    /// spacing of one of the places. False where there are more places than max_places, or where
+    /// max_splits ended the search for them. Where the distance is 0, it is true: no place is missing.
     bool has_all_places = false;
-    std::uint64_t splits = 0; ///< how often a triangle of A or a part of one was cut
-    bool is_complete = false; ///< whether upper - lower is within the tolerance
+    std::uint64_t splits = 0; ///< how many cuts were made of A's triangles and their parts
+    bool is_complete = false; ///< whether distance.upper - distance.lower is within the tolerance
 };
 
-/// What a search of the greatest deviation cuts at most.
+/// How many cuts a search makes at most where the caller does not say.
 inline constexpr std::uint64_t default_deviation_splits = std::uint64_t{1} << 26U;
 
 struct GreatestDeviationOptions {
@@ -77,64 +78,73 @@ struct GreatestDeviationOptions {
     /// of the box about both meshes.
     double tolerance = 0;
     static constexpr double default_tolerance = 1e-6;
-    std::uint32_t max_places = 0; ///< max_deviation_places at most
-    /// In the meshes' unit. 0 = default_spacing times the diagonal of the box about both meshes.
+    /// How many places are named at most, up to max_deviation_places; 0 = they are not searched for.
+    std::uint32_t max_places = 0;
+    /// How far places are from each other at least, in the meshes' unit. 0 = default_spacing times the
+    /// diagonal of the box about both meshes.
     double place_spacing = 0;
     static constexpr double default_spacing = 0.01;
-    /// Then it ends with the bounds so far. The search for places has as many again, in equal shares to
-    /// the triangles of A that may be as far: but 64 or more for each.
+    /// After so many cuts of A's triangles and their parts the search ends, with the bounds that it has
+    /// by then. The search for places may cut as often again: each triangle of A that may be as far
+    /// gets an equal share of these cuts, or 64 if that is more.
     std::uint64_t max_splits = default_deviation_splits;
     Execution execution = {};
 };
 
+/// The largest max_places.
 inline constexpr std::uint32_t max_deviation_places = 256;
 
-/// The one-sided Hausdorff distance from A to B. The bounds are as near to each other as
-/// options.tolerance says, but not nearer than 2^-38 times the largest coordinate, and not where
-/// max_splits or the budget end the search: is_complete tells. Where several points are as far, one
-/// of them is named, and all with max_places. The same bits for any number of threads. One closest
-/// feature per vertex of A, and some ten microseconds per triangle whose distance is about the
-/// largest. Thread safe. Errors: invalid_mesh (a mesh is empty), invalid_argument (a tolerance or
+/// The one-sided Hausdorff distance from A to B. The bounds are at most options.tolerance apart, or
+/// 2^-38 times the largest coordinate if that is more. They may be farther apart where max_splits or the
+/// budget ended the search: is_complete tells. Where several points of A are equally far, point_a is
+/// one of them; options.max_places asks for all. The same bits for any number of threads. Cost: one
+/// closest feature per vertex of A, and some ten microseconds per triangle of A whose distance is about
+/// the largest. Thread safe. Errors: invalid_mesh (a mesh is empty), invalid_argument (a tolerance or
 /// spacing below 0 or NaN, too many places), budget_exceeded, cancelled.
 [[nodiscard]] Result<GreatestDeviation>
 greatest_deviation(const MeshIndex& a, const MeshIndex& b,
                    const GreatestDeviationOptions& options = {});
 
 struct MeanDeviation {
-    DistanceBounds mean;             ///< of the distance of A's points from B, by area
-    DistanceBounds root_mean_square; ///< the root of the mean of squared distances
-    /// Of A, in the square of the meshes' unit; infinite or 0 where that is beyond the doubles.
+    DistanceBounds mean;             ///< of the distances of A's points from B, weighted by area
+    DistanceBounds root_mean_square; ///< the root of the mean of their squares
+    /// A's area, in the square of the meshes' unit; infinite or 0 where doubles cannot hold it.
     double area = 0;
-    double area_error = 0; ///< by which the area may be off
-    /// By bin, the share of A's area at distances in it: an estimate without bounds, the better the
-    /// smaller the tolerance. What is beyond the end counts in the last bin.
+    double area_error = 0; ///< how far the area is from the true one at most
+    /// By bin: which share of A's area is at distances in it. An estimate without bounds, which is the
+    /// better the smaller the tolerance is. Distances beyond histogram_end count in the last bin.
     std::vector<double> histogram;
-    std::uint64_t splits = 0;
+    std::uint64_t splits = 0; ///< how many cuts were made of A's triangles and their parts
     /// Whether the bounds of the mean and those of the root mean square are within the tolerance.
     bool is_complete = false;
 };
 
 struct MeanDeviationOptions {
     /// How far the bounds of the mean may be apart, and those of the root mean square, in the meshes'
-    /// unit. 0 = default_tolerance times the diagonal of the box about both.
+    /// unit. 0 = default_tolerance times the diagonal of the box about both meshes.
     double tolerance = 0;
     static constexpr double default_tolerance = 1e-5;
-    /// Bins of equal widths from 0 to histogram_end; 0 = no histogram, max_histogram_bins at most.
+    /// How many bins of equal width the histogram has, up to max_histogram_bins; 0 = no histogram.
     std::uint32_t histogram_bins = 0;
-    double histogram_end = 0;
-    /// In equal shares to groups of A's triangles, 64 or more for each triangle, and what these leave to
-    /// parts of large ones.
+    double histogram_end =
+        0; ///< where the last bin ends, in the meshes' unit; the first begins at 0
+    /// How many cuts of A's triangles and their parts are made at most, but for this: a share of 64 is
+    /// granted to each triangle, however small the limit is. Each group of neighbouring triangles may
+    /// use its equal share; cuts that are not used go to the parts of large triangles that need more.
+    /// Where the cuts do not suffice, the bounds are farther apart than the tolerance.
     std::uint64_t max_splits = default_deviation_splits;
     Execution execution = {};
 };
 
+/// The largest histogram_bins.
 inline constexpr std::uint32_t max_histogram_bins = 4096;
 
-/// The mean distance of A's points from B, by area. The same bits for any number of threads. About
-/// ten microseconds for each triangle of A and two for each of B that it is close to, where triangles
-/// of A are no larger than those of B; where one of A is close to thousands of B, 90 for each of
-/// these. Threads share large triangles. Where samples of distances mislead, the root mean square takes as
-/// long again. Thread safe. Errors: invalid_mesh (a mesh is empty, or A has no area, or none in doubles
+/// The mean distance of A's points from B, weighted by area, and the root of their mean square. The
+/// same bits for any number of threads. Cost, where triangles of A are no larger than those of B: about
+/// ten microseconds per triangle of A, and two for each triangle of B that it is close to. Where a
+/// triangle of A is close to thousands of B, it is 90 for each of these; threads share such triangles.
+/// The tolerance of the root mean square rests on a guess by samples: where that was too large, the
+/// search is done again. Thread safe. Errors: invalid_mesh (a mesh is empty, or A has no area, or none in doubles
 /// beside the largest coordinate of both), invalid_argument (a tolerance below 0 or NaN,
 /// bins without an end or too many), budget_exceeded, cancelled.
 [[nodiscard]] Result<MeanDeviation> mean_deviation(const MeshIndex& a, const MeshIndex& b,
@@ -158,8 +168,8 @@ struct TwoSidedMean {
     DistanceBounds larger_root_mean_square;
 };
 
-/// The means over two surfaces from those of both directions. Where an area is beyond the doubles,
-/// the means by area are as wide as both directions. Thread safe.
+/// The means over two surfaces from those of both directions. Where doubles cannot hold an area, `mean`
+/// and `root_mean_square` are intervals about those of both directions. Thread safe.
 [[nodiscard]] TwoSidedMean both_ways(const MeanDeviation& there,
                                      const MeanDeviation& back) noexcept;
 

@@ -19,6 +19,8 @@ namespace {
 
 constexpr std::size_t instances_per_task = 1024;
 constexpr std::uint64_t scene_bytes_each = 700;
+/// Where more than one instance in so many moves, all boxes are drawn again.
+constexpr std::size_t most_moved_share = 8;
 
 /// Why a pose cannot be one of an instance; null where it can.
 const char* pose_problem(const RigidTransform& pose) noexcept
@@ -106,7 +108,7 @@ TriangleMesh diagonals_of(std::span<const Box> boxes)
 Status finish_scene(SceneParts& parts, const IndexParts& order, std::size_t full,
                     const Execution& execution)
 {
-    Box all;
+    Box& all = parts.all;
     double largest = 0;
     const std::span<const SceneRow> rows = std::span(parts.rows).first(full);
     for (const SceneRow& row : rows) {
@@ -119,9 +121,7 @@ Status finish_scene(SceneParts& parts, const IndexParts& order, std::size_t full
     if (full == 0) return {};
     parts.reach = std::max(all.lower.cwiseAbs().maxCoeff(), all.upper.cwiseAbs().maxCoeff());
     begin_stage(execution.progress, "drawing boxes", 1);
-    auto tree = tree_about(order, rows, all, execution);
-    if (!tree) return cancelled("drawing boxes");
-    parts.tree = *std::move(tree);
+    if (!draw_tree(parts, order, execution)) return cancelled("drawing boxes");
     advance_stage(execution.progress, 1);
     return {};
 }
@@ -231,7 +231,8 @@ Box Scene::bounds(InstanceId id) const noexcept
 std::uint64_t Scene::bytes() const noexcept
 {
     const std::size_t each = sizeof(SceneRow) + sizeof(RigidTransform) + sizeof(std::uint32_t);
-    std::uint64_t bytes = parts_->tree.bytes() + each * parts_->rows.size();
+    std::uint64_t bytes = parts_->tree.bytes() + each * parts_->rows.size() +
+                          sizeof(SceneBlock) * parts_->boxes.size();
     for (const InstancedShape& shape : *parts_->shapes)
         bytes += sizeof(InstancedShape) + shape.boxes.capacity() * sizeof(ShapeBoxes);
     return bytes;
@@ -283,7 +284,7 @@ Result<Scene> build_scene(std::span<const MeshIndex> shapes, std::span<const Ins
     parts->poses.resize(instances.size());
     const auto put = [&](std::uint32_t row, std::uint32_t id) {
         row_of[id] = row;
-        parts->rows[row] = {boxes[id], instances[id].layers, id, instances[id].shape};
+        parts->rows[row] = {boxes[id], instances[id].layers, id, instances[id].shape, 0};
         parts->poses[row] = instances[id].pose;
     };
     std::uint32_t row = 0;
@@ -341,6 +342,66 @@ Result<Scene> move_instances(const Scene& scene, std::span<const RigidTransform>
     if (Status status = finish_scene(*parts, old.tree.parts(), old.tree_rows(), execution); !status)
         return tl::unexpected(status.error());
     return Scene(std::move(parts));
+}
+
+Status move_instances(Scene& scene, std::span<const InstanceId> ids,
+                      std::span<const RigidTransform> poses, const SceneOptions& options)
+{
+    const SceneParts& old = scene.parts();
+    if (poses.size() != ids.size()) {
+        return fail(ErrorCode::invalid_argument,
+                    concat("a list of ", poses.size(), " poses, but ", ids.size(),
+                           " instances; give one for each"));
+    }
+    for (const InstanceId id : ids) {
+        if (to_index(id) >= old.rows.size()) {
+            return fail(ErrorCode::invalid_argument,
+                        concat("there is no such instance: the scene has ", old.rows.size()),
+                        concat("instance ", to_index(id)));
+        }
+    }
+    const auto row_of = [&](InstanceId id) { return (*old.row_of)[to_index(id)]; };
+    std::vector<Box> boxes(ids.size());
+    std::vector<std::uint32_t> moved; // rows of the tree
+    bool is_within = ids.size() <= old.rows.size() / most_moved_share;
+    for (std::size_t i = 0; i < ids.size() && is_within; ++i) {
+        const SceneRow& row = old.rows[row_of(ids[i])];
+        const char* const problem = place(*old.shapes, {row.shape, poses[i], row.layers}, boxes[i]);
+        if (problem != nullptr)
+            return fail(ErrorCode::invalid_argument, problem, concat("instance ", row.instance));
+        if (boxes[i].empty()) continue;
+        is_within = (boxes[i].lower.array() >= old.all.lower.array()).all() &&
+                    (boxes[i].upper.array() <= old.all.upper.array()).all();
+        moved.push_back(row_of(ids[i]));
+    }
+    if (!is_within) { // the tree needs another frame, or there is little that stays
+        std::vector<RigidTransform> all(old.rows.size());
+        for (std::size_t i = 0; i < all.size(); ++i) all[old.rows[i].instance] = old.poses[i];
+        for (std::size_t i = 0; i < ids.size(); ++i) all[to_index(ids[i])] = poses[i];
+        auto next = move_instances(std::as_const(scene), all, options);
+        if (!next) return tl::unexpected(next.error());
+        scene = *next;
+        return {};
+    }
+    if (scene.parts_.use_count() > 1) {
+        if (Status status = check_scene_budget(old.rows.size(), 0, options.execution); !status)
+            return status;
+        scene.parts_ = std::make_shared<SceneParts>(copy_of(old));
+    } else {
+        // What other threads read of copies that they let go was before this.
+        std::atomic_thread_fence(std::memory_order_acquire);
+    }
+    // No one else has it, and none was made const.
+    SceneParts& parts = const_cast<SceneParts&>(*scene.parts_); // NOLINT
+    for (std::size_t i = 0; i < ids.size(); ++i) {
+        const std::uint32_t row = (*parts.row_of)[to_index(ids[i])];
+        parts.poses[row] = poses[i];
+        if (boxes[i].empty()) continue;
+        parts.rows[row].box = boxes[i];
+        parts.largest_extent = std::max(parts.largest_extent, 2 * boxes[i].extent().maxCoeff());
+    }
+    if (!moved.empty()) redraw_tree(parts, moved);
+    return {};
 }
 
 } // namespace proxima

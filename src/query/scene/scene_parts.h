@@ -6,6 +6,8 @@
 //     rows     by row of the tree, then instances of empty indexes: the box, whose instance it is
 //     poses    by row
 //     row_of   by instance
+//     boxes    by block of the tree, as they are before nodes round them, and the way up: for moves of
+//              few instances
 //
 // Boxes hold the instance as every query has it. Let R, t be a pose, |R^T R - 1| = f at most 1e-9, p a
 // point of the shape with |p|_1 <= P, u = 2^-53. As triangles of b in a pair, p is at R p + t. As the
@@ -19,6 +21,7 @@
 // by which queries are.
 #pragma once
 
+#include "index/binary_tree.h"
 #include "index/index_parts.h"
 #include "proxima/geometry.h"
 #include "proxima/scene.h"
@@ -26,6 +29,7 @@
 #include <array>
 #include <cstdint>
 #include <memory>
+#include <span>
 #include <vector>
 
 namespace proxima {
@@ -59,17 +63,28 @@ struct alignas(64) SceneRow {
     std::uint32_t layers = 0;
     std::uint32_t instance = 0;
     std::uint32_t shape = 0;
+    std::uint32_t leaf = 0; ///< the block of the tree
 };
 static_assert(sizeof(SceneRow) == 64);
+
+/// Of a block of the tree.
+struct SceneBlock {
+    FloatBox box;             ///< of all rows below, in the tree's units
+    std::uint32_t parent = 0; ///< 0 for the root's
+};
 
 struct PROXIMA_HIDDEN SceneParts {
     std::shared_ptr<const std::vector<InstancedShape>> shapes;
     std::shared_ptr<const std::vector<std::uint32_t>> row_of;
     MeshIndex tree;
+    std::span<IndexBlock> blocks;        ///< the tree's own
+    std::shared_ptr<const void> storage; ///< of the blocks
+    std::vector<SceneBlock> boxes;
+    Box all; ///< the tree's frame is about it
     std::vector<SceneRow> rows;
     std::vector<RigidTransform> poses; ///< by row
-    double largest_extent = 0;         ///< twice the longest edge of a box: no diagonal is longer
-    double reach = 0;                  ///< no coordinate of a box is larger
+    double largest_extent = 0; ///< at least twice the longest edge of a box: no diagonal is longer
+    double reach = 0;          ///< no coordinate of a box is larger
 
     [[nodiscard]] const MeshIndex& index(const SceneRow& row) const noexcept
     {

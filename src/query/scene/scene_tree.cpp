@@ -2,7 +2,6 @@
 
 #include "base/parallel.h"
 #include "base/progress.h"
-#include "index/binary_tree.h"
 #include "index/block_boxes.h"
 #include "index/index_storage.h"
 
@@ -21,78 +20,26 @@ constexpr bool is_leaf(std::uint32_t reference) noexcept
     return (reference & index_leaf_bit) != 0;
 }
 
-/// Copies blocks, with their boxes.
-class TreeWriter {
+constexpr std::uint32_t block_of(std::uint32_t reference) noexcept
+{
+    return reference & ~index_leaf_bit;
+}
+
+/// Draws the boxes of a scene's blocks.
+class TreeBoxes {
 public:
-    /// Boxes are drawn out by the margin.
-    TreeWriter(const IndexParts& order, std::span<const SceneRow> rows, const IndexFrame& frame,
-               double margin, std::span<IndexBlock> blocks) noexcept
-        : order_(order), rows_(rows), frame_(frame), margin_(Vec3::Constant(margin)),
-          blocks_(blocks)
+    explicit TreeBoxes(SceneParts& scene) noexcept
+        : scene_(scene), frame_{scene.tree.parts().center(), scene.tree.parts().scale()},
+          // One of the tree's units is at most the extent.
+          margin_(Vec3::Constant(scene_tree_margin * scene.all.extent().maxCoeff()))
     {}
 
-    /// False where it was cancelled.
-    [[nodiscard]] bool write(const Execution& execution)
+    /// About a leaf's rows, drawn out by the margin.
+    [[nodiscard]] FloatBox about_leaf(std::uint32_t block) const noexcept
     {
-        blocks_[0] = order_.blocks()[0]; // the empty leaf that nodes without all children refer to
-        // The top of the tree, breadth first, until there are enough subtrees for all threads.
-        constexpr std::size_t enough = 512;
-        std::vector<TopBlock> top = {{order_.root(), {}, 0}};
-        std::size_t opened = 0;
-        while (opened < top.size() && top.size() < enough) {
-            TopBlock& at = top[opened++];
-            if (is_leaf(at.reference)) continue;
-            at.first_child = top.size();
-            for (const std::uint32_t child : children_of(at.reference))
-                top.push_back({child, {}, 0});
-        }
-        parallel_for(top.size() - opened, execution.threads, [&](std::size_t i) {
-            if (!is_cancelled(execution.progress))
-                top[opened + i].box = write_below(top[opened + i].reference);
-        });
-        if (is_cancelled(execution.progress)) return false;
-        while (opened-- > 0) {
-            TopBlock& at = top[opened];
-            if (is_leaf(at.reference)) {
-                at.box = write_leaf(at.reference & ~index_leaf_bit);
-                continue;
-            }
-            std::size_t child = at.first_child;
-            at.box = write_node(at.reference,
-                                [&](std::uint32_t /*reference*/) { return top[child++].box; });
-        }
-        return true;
-    }
-
-private:
-    struct TopBlock {
-        std::uint32_t reference;
-        FloatBox box;
-        std::size_t first_child;
-    };
-
-    /// By slots.
-    [[nodiscard]] std::vector<std::uint32_t> children_of(std::uint32_t block) const
-    {
-        const IndexNode& node = order_.blocks()[block].node;
-        std::vector<std::uint32_t> children;
-        for (std::size_t slot = 0; slot < 8; ++slot)
-            if (node.has_child(slot)) children.push_back(node.children[slot]);
-        return children;
-    }
-
-    FloatBox write_below(std::uint32_t reference) noexcept
-    {
-        if (is_leaf(reference)) return write_leaf(reference & ~index_leaf_bit);
-        return write_node(reference, [&](std::uint32_t child) { return write_below(child); });
-    }
-
-    FloatBox write_leaf(std::uint32_t block) noexcept
-    {
-        blocks_[block] = order_.blocks()[block];
-        const IndexLeaf& leaf = blocks_[block].leaf;
+        const IndexLeaf& leaf = scene_.blocks[block].leaf;
         Box all;
-        for (const SceneRow& row : rows_.subspan(leaf.first_row, leaf.count)) {
+        for (const SceneRow& row : std::span(scene_.rows).subspan(leaf.first_row, leaf.count)) {
             all.lower = all.lower.cwiseMin(row.box.lower);
             all.upper = all.upper.cwiseMax(row.box.upper);
         }
@@ -107,57 +54,160 @@ private:
         return box;
     }
 
-    /// box_of(reference) is called once for each child, by slots.
-    template <class BoxOf>
-    FloatBox write_node(std::uint32_t block, const BoxOf& box_of) noexcept
+    /// Sets a node's planes by its children's boxes. The box about them all.
+    FloatBox write_node(std::uint32_t block) const noexcept
     {
         constexpr float endless = std::numeric_limits<float>::infinity();
-        blocks_[block] = order_.blocks()[block];
-        IndexNode& node = blocks_[block].node;
+        IndexNode& node = scene_.blocks[block].node;
         FloatBox all;
         all.lower.fill(endless);
         all.upper.fill(-endless);
-        std::array<FloatBox, 8> boxes;
         std::array<const FloatBox*, 8> children{};
         for (std::size_t slot = 0; slot < 8; ++slot) {
             if (!node.has_child(slot)) continue;
-            boxes[slot] = box_of(node.children[slot]);
-            children[slot] = &boxes[slot];
+            const FloatBox& box = scene_.boxes[block_of(node.children[slot])].box;
+            children[slot] = &box;
             for (std::size_t axis = 0; axis < 3; ++axis) {
-                all.lower[axis] = std::min(all.lower[axis], boxes[slot].lower[axis]);
-                all.upper[axis] = std::max(all.upper[axis], boxes[slot].upper[axis]);
+                all.lower[axis] = std::min(all.lower[axis], box.lower[axis]);
+                all.upper[axis] = std::max(all.upper[axis], box.upper[axis]);
             }
         }
         write_boxes(node, all, children);
         return all;
     }
 
-    const IndexParts& order_;
-    std::span<const SceneRow> rows_;
+private:
+    SceneParts& scene_;
     IndexFrame frame_;
     Vec3 margin_;
-    std::span<IndexBlock> blocks_;
 };
 
-} // namespace
+/// Draws all boxes, from the leaves up.
+class TreeWriter {
+public:
+    /// \pre the scene has the order's blocks
+    TreeWriter(SceneParts& scene, std::uint32_t root) noexcept
+        : scene_(scene), boxes_(scene), root_(root)
+    {}
 
-std::optional<MeshIndex> tree_about(const IndexParts& order, std::span<const SceneRow> rows,
-                                    const Box& all, const Execution& execution)
+    /// False where it was cancelled.
+    [[nodiscard]] bool write(const Execution& execution)
+    {
+        // The top of the tree, breadth first, until there are enough subtrees for all threads.
+        constexpr std::size_t enough = 512;
+        std::vector<std::uint32_t> top = {root_};
+        std::size_t opened = 0;
+        while (opened < top.size() && top.size() < enough) {
+            const std::uint32_t at = top[opened++];
+            if (is_leaf(at)) continue;
+            for_each_child(at, [&](std::uint32_t child) { top.push_back(child); });
+        }
+        parallel_for(top.size() - opened, execution.threads, [&](std::size_t i) {
+            if (!is_cancelled(execution.progress)) write_below(top[opened + i]);
+        });
+        if (is_cancelled(execution.progress)) return false;
+        while (opened-- > 0) write_block(top[opened]);
+        return true;
+    }
+
+private:
+    template <class Visit>
+    void for_each_child(std::uint32_t block, const Visit& visit) const
+    {
+        const IndexNode& node = scene_.blocks[block].node;
+        for (std::size_t slot = 0; slot < 8; ++slot)
+            if (node.has_child(slot)) visit(node.children[slot]);
+    }
+
+    void write_below(std::uint32_t reference) noexcept
+    {
+        if (!is_leaf(reference))
+            for_each_child(reference, [&](std::uint32_t child) { write_below(child); });
+        write_block(reference);
+    }
+
+    /// \pre the blocks below it are written
+    void write_block(std::uint32_t reference) noexcept
+    {
+        const std::uint32_t block = block_of(reference);
+        if (!is_leaf(reference)) {
+            scene_.boxes[block].box = boxes_.write_node(block);
+            for_each_child(
+                block, [&](std::uint32_t child) { scene_.boxes[block_of(child)].parent = block; });
+            return;
+        }
+        scene_.boxes[block].box = boxes_.about_leaf(block);
+        const IndexLeaf& leaf = scene_.blocks[block].leaf;
+        for (SceneRow& row : std::span(scene_.rows).subspan(leaf.first_row, leaf.count))
+            row.leaf = block;
+    }
+
+    SceneParts& scene_;
+    TreeBoxes boxes_;
+    std::uint32_t root_;
+};
+
+/// Gives the scene a copy of the order's blocks, in this frame.
+void set_tree(SceneParts& scene, const IndexParts& order, const IndexFrame& frame)
 {
-    // One of the tree's units is at most the extent.
-    const double margin = scene_tree_margin * all.extent().maxCoeff();
-    const Vec3 out = Vec3::Constant(margin);
-    const IndexFrame frame = index_frame({all.lower - out, all.upper + out}, false);
-    IndexStorage storage;
-    storage.make_blocks(order.blocks().size());
-    TreeWriter writer(order, rows, frame, margin, storage.blocks);
-    if (!writer.write(execution)) return std::nullopt;
-    storage.ids.assign(order.ids().begin(), order.ids().end());
+    const auto storage = std::make_shared<IndexStorage>();
+    scene.blocks = storage->make_blocks(order.blocks().size());
+    std::ranges::copy(order.blocks(), scene.blocks.begin());
+    storage->ids.assign(order.ids().begin(), order.ids().end());
     IndexArrays arrays;
     arrays.center = frame.center;
     arrays.scale = frame.scale;
     arrays.root = order.root();
-    return make_mesh_index(index_of(arrays, std::move(storage)));
+    arrays.blocks = storage->blocks;
+    arrays.ids = storage->ids;
+    scene.tree = make_mesh_index(IndexParts::adopt(arrays, storage));
+    scene.storage = storage;
+}
+
+/// Lets the tree know of the root's box, which was written.
+void set_root_box(SceneParts& scene)
+{
+    scene.tree = make_mesh_index(IndexParts::adopt(scene.tree.parts().arrays(), scene.storage));
+}
+
+} // namespace
+
+bool draw_tree(SceneParts& scene, const IndexParts& order, const Execution& execution)
+{
+    const double margin = scene_tree_margin * scene.all.extent().maxCoeff();
+    const Vec3 out = Vec3::Constant(margin);
+    set_tree(scene, order, index_frame({scene.all.lower - out, scene.all.upper + out}, false));
+    scene.boxes.assign(scene.blocks.size(), {});
+    if (!TreeWriter(scene, order.root()).write(execution)) return false;
+    set_root_box(scene);
+    return true;
+}
+
+void redraw_tree(SceneParts& scene, std::span<const std::uint32_t> rows)
+{
+    const TreeBoxes boxes(scene);
+    for (const std::uint32_t row : rows) {
+        std::uint32_t block = scene.rows[row].leaf;
+        FloatBox box = boxes.about_leaf(block);
+        // What does not change a block's box does not change those above.
+        while (box.lower != scene.boxes[block].box.lower ||
+               box.upper != scene.boxes[block].box.upper) {
+            scene.boxes[block].box = box;
+            block = scene.boxes[block].parent;
+            if (block == 0) break;
+            box = boxes.write_node(block);
+        }
+    }
+    set_root_box(scene);
+}
+
+SceneParts copy_of(const SceneParts& scene)
+{
+    SceneParts copy = scene;
+    if (scene.tree_rows() == 0) return copy;
+    const IndexParts& tree = scene.tree.parts();
+    set_tree(copy, tree, {tree.center(), tree.scale()});
+    return copy;
 }
 
 } // namespace proxima

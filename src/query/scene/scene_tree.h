@@ -6,16 +6,23 @@
 #include "proxima/mesh_index.h"
 #include "query/scene/scene_parts.h"
 
-#include <optional>
+#include <cstdint>
 #include <span>
 
 namespace proxima {
 
-/// The blocks of `order` as they are, but with the boxes of nodes drawn about those of `rows`, the first rows of a scene.
-/// Only blocks, ids and the frame are there, which is what scenes ask for: no triangles. `all` holds all boxes. The same
-/// bits for any number of threads; nothing where it was cancelled. 30 ns per row. \pre order is not empty
-[[nodiscard]] std::optional<MeshIndex> tree_about(const IndexParts& order,
-                                                  std::span<const SceneRow> rows, const Box& all,
-                                                  const Execution& execution);
+/// Makes a scene's tree: the blocks of `order` as they are, but with the boxes of nodes drawn about those of the
+/// scene's first rows, as many as `order` has. Only blocks, ids and the frame are there, which is what scenes ask
+/// for: no triangles. The same bits for any number of threads; false where it was cancelled. 30 ns per row.
+/// \pre order is not empty, scene.all holds all boxes
+[[nodiscard]] bool draw_tree(SceneParts& scene, const IndexParts& order,
+                             const Execution& execution);
+
+/// Draws boxes again about rows that moved: the tree is as draw_tree makes it in this frame. O(rows and the blocks
+/// above them). \pre the scene's parts are no one else's, they have a tree, scene.all holds the rows' boxes
+void redraw_tree(SceneParts& scene, std::span<const std::uint32_t> rows);
+
+/// The same scene with a tree of its own.
+[[nodiscard]] SceneParts copy_of(const SceneParts& scene);
 
 } // namespace proxima

@@ -168,6 +168,39 @@ TEST(Scene, AnswersAlikeAfterInstancesMoved)
     EXPECT_GT(found.rays, 300U);
 }
 
+TEST(Scene, AnswersAlikeAfterSomeInstancesMovedAndItsCopiesDidNot)
+{
+    Found found;
+    for (std::uint64_t seed = 1; seed <= 24; ++seed) {
+        SCOPED_TRACE(::testing::Message() << "seed " << seed);
+        SceneGenerator random(seed);
+        RandomScene of = random(60);
+        const double reach = of.size > 0 ? of.size : 1e-3;
+        Scene scene = build_scene(of.shapes, of.instances).value();
+        for (int step = 0; step < 4; ++step) {
+            const RandomScene old = of;
+            const std::optional<Scene> copy = step % 2 == 0 ? std::optional(scene) : std::nullopt;
+            std::vector<InstanceId> ids;
+            std::vector<RigidTransform> poses;
+            for (std::uint64_t left = of.instances.size() / 10 + 1; left > 0; --left) {
+                const std::uint64_t id = random.below(of.instances.size());
+                RigidTransform& pose = of.instances[id].pose;
+                pose.rotation = random.rotation();
+                // Now and then beyond the box of all.
+                pose.translation = of.center + (step == 3 ? 3 : 0.8) * reach * random.vector();
+                ids.push_back(id_of(id));
+                poses.push_back(pose);
+            }
+            const Status moved = move_instances(scene, ids, poses);
+            ASSERT_TRUE(moved) << describe(moved.error());
+            expect_truth(of, scene, random, 20, found);
+            if (copy) expect_truth(old, *copy, random, 5, found);
+            if (HasFailure()) return;
+        }
+    }
+    EXPECT_GT(found.rays, 400U);
+}
+
 TEST(Scene, FindsWhereBoundsOverlap)
 {
     for (std::uint64_t seed = 1; seed <= 40; ++seed) {

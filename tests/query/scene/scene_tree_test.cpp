@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cstring>
 #include <gtest/gtest.h>
+#include <memory>
 
 namespace proxima::scene_tree_test {
 namespace {
@@ -114,6 +115,54 @@ TEST(SceneTree, IsThatOfANewSceneWhereNothingMoved)
     for (const Instance& instance : of.instances) poses.push_back(instance.pose);
     expect_same_tree(scene, move_instances(scene, poses).value());
     EXPECT_EQ(scene.bytes(), move_instances(scene, poses).value().bytes());
+}
+
+/// Whether the blocks are those of a tree that is drawn anew in the same frame.
+void expect_redrawn(const Scene& scene)
+{
+    if (scene.parts().tree_rows() == 0) return;
+    SceneParts again = copy_of(scene.parts());
+    ASSERT_TRUE(draw_tree(again, scene.parts().tree.parts(), {}));
+    ASSERT_EQ(again.tree.parts().scale(), scene.parts().tree.parts().scale());
+    EXPECT_EQ(again.tree.parts().root_box().lower, scene.parts().tree.parts().root_box().lower);
+    EXPECT_EQ(again.tree.parts().root_box().upper, scene.parts().tree.parts().root_box().upper);
+    expect_same_tree(Scene(std::make_shared<SceneParts>(again)), scene);
+}
+
+TEST(SceneTree, IsRedrawnAboveInstancesThatMoveAlone)
+{
+    std::size_t in_place = 0;
+    for (std::uint64_t seed = 1; seed <= 60; ++seed) {
+        SCOPED_TRACE(::testing::Message() << "seed " << seed);
+        SceneGenerator random(seed);
+        RandomScene of = random(seed % 5 == 0 ? 3000 : 1 + random.below(300));
+        Scene scene = build_scene(of.shapes, of.instances).value();
+        for (int step = 0; step < 6; ++step) {
+            std::vector<InstanceId> ids;
+            std::vector<RigidTransform> poses;
+            const std::uint64_t count = random.below(of.instances.size() / 6 + 2);
+            for (std::uint64_t i = 0; i < count; ++i) {
+                const std::uint64_t id = random.below(of.instances.size());
+                Instance& instance = of.instances[id];
+                if (random.below(2) == 0) instance.pose.rotation = random.rotation();
+                instance.pose.translation = of.center + 0.9 * of.size * random.vector();
+                ids.push_back(id_of(id)); // some twice
+                poses.push_back(instance.pose);
+            }
+            const SceneParts* const before = &scene.parts();
+            ASSERT_TRUE(move_instances(scene, ids, poses));
+            in_place += before == &scene.parts() ? 1 : 0;
+            for (std::size_t i = 0; i < of.instances.size(); ++i) {
+                const RigidTransform& pose = scene.instance(id_of(i)).pose;
+                EXPECT_EQ(pose.rotation, of.instances[i].pose.rotation);
+                EXPECT_EQ(pose.translation, of.instances[i].pose.translation);
+            }
+            expect_tight_boxes(scene);
+            expect_redrawn(scene);
+            if (HasFailure()) return;
+        }
+    }
+    EXPECT_GT(in_place, 150U);
 }
 
 } // namespace
