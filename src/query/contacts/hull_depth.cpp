@@ -165,15 +165,12 @@ public:
     [[nodiscard]] std::size_t size() const { return points_.size(); }
 
     struct Facet {
-        std::array<std::uint32_t, 3> corners;
-        Vec3 normal;  ///< of length 1, away from the origin
-        double least; ///< of normal . corner
+        std::array<std::uint32_t, 3> corners; ///< the inner point first, where it is one
+        Vec3 normal;                          ///< of length 1, away from the origin
+        double least;                         ///< of normal . corner
         double most;
 
-        [[nodiscard]] bool has_inner_point() const
-        {
-            return corners[0] == 0 || corners[1] == 0 || corners[2] == 0;
-        }
+        [[nodiscard]] bool has_inner_point() const { return corners[0] == 0; }
     };
 
     /// The facet to be grown next: one with the inner point, or the nearest. \pre is_valid()
