@@ -66,7 +66,7 @@ KERNELS = {f"src/octree/{name}" for name in (
         "closest/batch_lists-inl.h", "closest/closest_batch_in_index.cpp", "closest/closest_in_index.cpp",
         "closest/row_distance-inl.h", "closest/search_index-inl.h",
         "closest/search_lists-inl.h", "contact/box_pairs-inl.h", "contact/eight_points-inl.h",
-        "contact/intersect_meshes.cpp", "contact/leaf_intersection-inl.h", "contact/walk_pairs-inl.h",
+        "contact/intersect_meshes.cpp", "contact/leaf_intersection-inl.h", "contact/walk_pairs-inl.h", "contacts/child_steps.cpp",
         "culling/cull_volume.cpp", "distance/mesh_distance.cpp", "distance/pair_bounds-inl.h", "field/search_grid.cpp",
         "rays/cast_ray.cpp",
         "rays/intersect_exact-inl.h", "rays/prepare_ray-inl.h", "rays/walk_ray-inl.h", "scene/instance_box.cpp", "scene/walk_scene.cpp")} | {

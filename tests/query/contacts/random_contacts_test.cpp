@@ -5,6 +5,7 @@
 #include "proxima/contacts.h"
 #include "proxima/sample_meshes.h"
 #include "proxima/time_of_contact.h"
+#include "query/contacts/lattice_hulls.h"
 #include "query/contacts/random_motions.h"
 #include "query/contacts/solid_shapes.h"
 
@@ -277,6 +278,59 @@ TEST(RandomContacts, RegionsAreThoseOfAllPairsOfTriangles)
     }
     EXPECT_GT(regions, 50U);
     EXPECT_GT(several, 10);
+}
+
+TEST(RandomContacts, RegionsOfLinesThatMeetAreJoined)
+{
+    const std::uint64_t seed = 491;
+    std::mt19937_64 random(seed);
+    SCOPED_TRACE(seed);
+    int cases = 0;
+    int joined_regions = 0;
+    int reduced = 0;
+    for (int i = 0; i < 3000; ++i) {
+        TriangleMesh a = lattice_hull(random);
+        if (i % 2 == 0) {
+            a = joined(a, moved(lattice_hull(random),
+                                [](const Vec3& p) { return Vec3(p + Vec3(5, 0, 0)); }));
+        }
+        const double wide = i % 2 == 0 ? 2 : 1;
+        const auto shift = [&] { return static_cast<double>(random() % 5U) - 2; };
+        const Vec3 by(shift(), shift(), shift());
+        const TriangleMesh b = moved(lattice_hull(random), [&](const Vec3& p) {
+            return Vec3(Vec3(wide * p.x(), p.y(), p.z()) + by);
+        });
+        const auto segments = segments_by_brute_force(a, b);
+        if (!segments || segments->empty()) continue;
+        ++cases;
+        const auto found = contact_regions(solid_of(a), solid_of(b));
+        ASSERT_TRUE(found) << i;
+        std::vector<double> lengths;
+        for (const ContactRegion& region : found->regions) {
+            lengths.push_back(region.length);
+            joined_regions += region.line_count > 1 ? 1 : 0;
+            const auto points = region.contacts();
+            ASSERT_GE(points.size(), 1U) << i;
+            ASSERT_LE(points.size(), max_contact_points) << i;
+            reduced += points.size() == max_contact_points ? 1 : 0;
+            EXPECT_GE(points.front().depth, (1 - 0x1p-20) * region.depth) << i;
+            for (std::size_t k = 0; k < points.size(); ++k) {
+                EXPECT_LE(points[k].depth, region.depth) << i;
+                for (std::size_t m = 0; m < k; ++m)
+                    EXPECT_GT((points[k].on_a - points[m].on_a).norm() +
+                                  (points[k].on_b - points[m].on_b).norm(),
+                              0)
+                        << i;
+            }
+        }
+        std::ranges::sort(lengths);
+        const std::vector<double> truth = connected_lengths(*segments);
+        ASSERT_EQ(lengths.size(), truth.size()) << i;
+        for (std::size_t k = 0; k < truth.size(); ++k) EXPECT_NEAR(lengths[k], truth[k], 1e-9) << i;
+    }
+    EXPECT_GT(cases, 300);
+    EXPECT_GT(joined_regions, 30);
+    EXPECT_GT(reduced, 100);
 }
 
 TEST(RandomContacts, TimesOfNastyMeshesAreNeverPastAContact)
