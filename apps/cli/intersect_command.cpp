@@ -22,6 +22,8 @@
 #include "proxima/mesh_index.h"
 #include "proxima/octree.h"
 #include "proxima/thesis.h"
+#include "query/contact/find_pairs.h"
+#include "thesis/object_intersections/cancellable_cells.h"
 #include "thesis/object_intersections/intersect_octrees.h"
 
 #include <CLI/CLI.hpp>
@@ -126,19 +128,6 @@ Status prepare(Body& body, const std::string& model, const IntersectOptions& opt
     return {};
 }
 
-/// All pairs by a, then b; where the session shall end, some of them.
-std::vector<TrianglePair> pairs_of(const MeshIndex& a, const MeshIndex& b,
-                                   const RigidTransform& pose, const Progress& progress)
-{
-    std::vector<TrianglePair> pairs;
-    visit_intersecting_pairs(a, b, pose, [&](std::span<const TrianglePair> some) {
-        pairs.insert(pairs.end(), some.begin(), some.end());
-        return progress.cancelled() ? Flow::stop : Flow::proceed;
-    });
-    std::ranges::sort(pairs);
-    return pairs;
-}
-
 /// `last`: the nearest points of another pose, if any. Error: cancelled.
 Result<PoseAnswer> find_in(const Body& a, const Body& b, const RigidTransform& pose,
                            const IntersectOptions& options, const MeshDistance* last,
@@ -148,12 +137,12 @@ Result<PoseAnswer> find_in(const Body& a, const Body& b, const RigidTransform& p
     {
         const Stopwatch watch;
         if (options.method == QueryMethod::thesis) {
-            CellIntersection found =
-                intersect_by_cells({a.mesh, a.octree}, {b.mesh, b.octree}, pose);
+            CellIntersection found = intersect_by_cells({a.mesh, a.octree}, {b.mesh, b.octree},
+                                                        pose, &session.progress());
             answer.pairs = std::move(found.pairs);
             answer.triangle_tests = found.triangle_tests;
         } else {
-            answer.pairs = pairs_of(a.index, b.index, pose, session.progress());
+            answer.pairs = find_pairs(a.index, b.index, pose, &session.progress());
         }
         if (answer.pairs.empty())
             answer.inside = find_containment(*a.enclosure, *b.enclosure, pose);
@@ -171,9 +160,10 @@ Result<PoseAnswer> find_in(const Body& a, const Body& b, const RigidTransform& p
         answer.cell_tests =
             visit_intersecting_leaves(a.octree, b.octree, pose, [&](const LeafPair& pair) {
                 answer.leaves.push_back(pair);
-                return Flow::proceed;
+                return session.progress().cancelled() ? Flow::stop : Flow::proceed;
             });
         answer.cell_seconds = watch.seconds();
+        if (Status status = session.check_running(); !status) return tl::unexpected(status.error());
         answer.candidates = candidate_triangles(a.octree, b.octree, answer.leaves);
     }
     if (options.distance) {

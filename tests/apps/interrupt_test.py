@@ -84,6 +84,12 @@ class Building(InterruptTest):
                 self.interrupt("intersect", "sphere:200x200", "sphere:200x200", "--pose", "0,0,0",
                                "--contour", self.folder / "a.obj", "--json", self.folder / "a.json", when=after(seconds))
 
+    def test_pairs_of_cells(self):
+        for options in (("--method", "thesis"), ("--cells",)):
+            with self.subTest(options):
+                self.interrupt("intersect", "sphere:300x300", "sphere:300x300", "--pose", "0,0,0", "--depth", "9",
+                               *options, "--json", self.folder / "a.json", when=after(4))
+
     def test_a_closed_terminal(self):
         self.interrupt("octree", "spaceship:300000", "--depth", "10", "--method", "pairwise", *self.outputs(),
                        when=after(1), sent=signal.SIGHUP)

@@ -5,6 +5,7 @@
 #include "index/index_parts.h"
 #include "query/batch_size.h"
 #include "query/contact/contact_search.h"
+#include "query/contact/find_pairs.h"
 
 #include <algorithm>
 #include <array>
@@ -162,19 +163,6 @@ void sort_pairs(std::vector<TrianglePair>& pairs)
     }
 }
 
-/// All pairs by a, then b; where the progress asks to stop, some of them.
-std::vector<TrianglePair> find_pairs(const MeshIndex& a, const MeshIndex& b,
-                                     const RigidTransform& pose_b, const Progress* progress)
-{
-    std::vector<TrianglePair> pairs;
-    visit_intersecting_pairs(a, b, pose_b, [&](std::span<const TrianglePair> some) {
-        pairs.insert(pairs.end(), some.begin(), some.end());
-        return is_cancelled(progress) ? Flow::stop : Flow::proceed;
-    });
-    sort_pairs(pairs);
-    return pairs;
-}
-
 constexpr std::size_t poses_per_task = 4;
 
 /// Calls task(i) for all poses.
@@ -250,6 +238,18 @@ void visit_intersecting_pairs(const MeshIndex& a, const MeshIndex& b, const Rigi
             pairs[i] = {ids_a[rows[i].a], ids_b[rows[i].b]};
         return visitor(std::span(pairs).first(rows.size()));
     });
+}
+
+std::vector<TrianglePair> find_pairs(const MeshIndex& a, const MeshIndex& b,
+                                     const RigidTransform& pose_b, const Progress* progress)
+{
+    std::vector<TrianglePair> pairs;
+    visit_intersecting_pairs(a, b, pose_b, [&](std::span<const TrianglePair> some) {
+        pairs.insert(pairs.end(), some.begin(), some.end());
+        return is_cancelled(progress) ? Flow::stop : Flow::proceed;
+    });
+    sort_pairs(pairs);
+    return pairs;
 }
 
 std::vector<TrianglePair> intersecting_pairs(const MeshIndex& a, const MeshIndex& b,

@@ -1,5 +1,6 @@
-#include "proxima/thesis.h"
+#include "thesis/object_intersections/cancellable_cells.h"
 
+#include "base/progress.h"
 #include "geometry/triangle_contact.h"
 #include "thesis/object_intersections/intersect_octrees.h"
 
@@ -21,6 +22,12 @@ void keep_distinct(std::vector<TrianglePair>& pairs)
 CellIntersection intersect_by_cells(const MeshCells& a, const MeshCells& b,
                                     const RigidTransform& pose_b)
 {
+    return intersect_by_cells(a, b, pose_b, nullptr);
+}
+
+CellIntersection intersect_by_cells(const MeshCells& a, const MeshCells& b,
+                                    const RigidTransform& pose_b, const Progress* progress)
+{
     CellIntersection result;
     std::vector<TrianglePair> candidates;
     // Neighbouring leaves list the same pairs: dropped whenever the list has doubled.
@@ -36,11 +43,14 @@ CellIntersection intersect_by_cells(const MeshCells& a, const MeshCells& b,
                 keep_distinct(candidates);
                 next_clean = std::max(next_clean, 2 * candidates.size());
             }
-            return Flow::proceed;
+            return is_cancelled(progress) ? Flow::stop : Flow::proceed;
         });
     keep_distinct(candidates);
     result.triangle_tests = candidates.size();
-    for (const TrianglePair& pair : candidates) {
+    constexpr std::size_t block = 4096;
+    for (std::size_t i = 0; i < candidates.size(); ++i) {
+        if (i % block == 0 && is_cancelled(progress)) break;
+        const TrianglePair& pair = candidates[i];
         if (triangles_meet(a.mesh.triangle(pair.a), pose_b(b.mesh.triangle(pair.b))))
             result.pairs.push_back(pair);
     }
