@@ -1,5 +1,6 @@
 #include "cli/camera.h"
 
+#include "geometry/length.h"
 #include "proxima/geometry.h"
 
 #include <algorithm>
@@ -148,7 +149,7 @@ OrbitCamera looking(const OrbitCamera& camera, const Vec3& eye, const Vec3& targ
 {
     OrbitCamera result = camera;
     result.target = target;
-    result.distance = (eye - target).stableNorm();
+    result.distance = length_of(eye - target);
     const Vec3 back = (eye - target) / result.distance;
     const Vec3 front = front_of(camera.up);
     const Vec3 side = camera.up.cross(front);

@@ -4,6 +4,7 @@
 #include "base/text.h"
 #include "cli/model_options.h"
 #include "cli/names.h"
+#include "geometry/length.h"
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
@@ -62,7 +63,7 @@ std::optional<Vec3> parse_axis(const std::string& text)
     for (int axis = 0; axis < 3; ++axis)
         if (name == std::string(1, "xyz"[axis])) return (is_negative ? -1 : 1) * Vec3::Unit(axis);
     const auto direction = parse_vector(text);
-    if (!direction || !(direction->stableNorm() > 0)) return std::nullopt;
+    if (!direction || !(length_of(*direction) > 0)) return std::nullopt;
     return direction->stableNormalized();
 }
 
@@ -116,7 +117,7 @@ Result<OrbitCamera> placed_camera(const CameraChoice& choice, std::span<const Ve
         return camera;
     }
     const Vec3 target = choice.target.value_or(middle);
-    if (!((*choice.eye - target).stableNorm() > 0.0)) {
+    if (!(length_of(*choice.eye - target) > 0.0)) {
         return fail(ErrorCode::invalid_argument,
                     "the eye is where it looks: give another --eye or --target", "--eye");
     }

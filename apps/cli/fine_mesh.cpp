@@ -1,5 +1,6 @@
 #include "cli/fine_mesh.h"
 
+#include "geometry/length.h"
 #include <algorithm>
 #include <cmath>
 #include <utility>
@@ -15,7 +16,7 @@ std::uint32_t cuts_of(const Triangle& triangle, double length)
     constexpr double most_cuts = 64;
     double longest = 0;
     for (int side = 0; side < 3; ++side)
-        longest = std::max(longest, (triangle[(side + 1) % 3] - triangle[side]).stableNorm());
+        longest = std::max(longest, length_of(triangle[(side + 1) % 3] - triangle[side]));
     const double cuts = std::ceil(longest / length);
     return static_cast<std::uint32_t>(cuts >= 1 ? std::min(cuts, most_cuts) : 1);
 }
@@ -34,7 +35,7 @@ std::uint64_t pieces_of(const TriangleMesh& mesh, double length)
 
 Result<TriangleMesh> finely_cut(const TriangleMesh& mesh, std::uint64_t most)
 {
-    double length = 0.01 * bounding_box(mesh).extent().stableNorm();
+    double length = 0.01 * length_of(bounding_box(mesh).extent());
     while (length > 0 && std::isfinite(length) && pieces_of(mesh, length) > most &&
            pieces_of(mesh, length) > mesh.triangle_count())
         length *= 1.5;

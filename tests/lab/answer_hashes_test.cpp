@@ -244,7 +244,8 @@ std::uint64_t neighbours_digest(const MeshIndex& index, std::span<const Vec3> po
         for (std::size_t i = 0; i < found.written; ++i) digest.add(within[i]);
     };
     for (const Vec3& point : points.first(100)) {
-        for (std::size_t i = 0; i < collect_nearest(index, point, nearest).written; ++i) {
+        const std::size_t count = collect_nearest(index, point, nearest).written;
+        for (std::size_t i = 0; i < count; ++i) {
             digest.add(nearest[i].squared_distance);
             digest.add(nearest[i].triangle);
         }

@@ -1,6 +1,7 @@
 #include "base/disjoint_sets.h"
 #include "base/progress.h"
 #include "geometry/closest_point.h"
+#include "geometry/length.h"
 #include "proxima/contacts.h"
 #include "query/contacts/contact_lines.h"
 #include "query/contacts/solid_parts.h"
@@ -43,7 +44,7 @@ public:
         region.position = first;
         if (sums.length > 0) region.position += sums.weighted / sums.length;
         const Vec3 area = vector_area(numbers, sums.from_surfaces);
-        region.area = area.stableNorm();
+        region.area = length_of(area);
         region.normal = normal_of(area, sums);
         straighten(region);
         add_points(region, numbers);
@@ -68,7 +69,7 @@ private:
         RegionSums sums;
         for (const std::size_t number : numbers) {
             visit_segments(number, [&](const Vec3& from, const Vec3& to) {
-                const double length = (to - from).stableNorm();
+                const double length = length_of(to - from);
                 const Vec3 middle = 0.5 * (from - first) + 0.5 * (to - first);
                 sums.length += length;
                 sums.weighted += length * middle;
@@ -101,7 +102,7 @@ private:
     static Vec3 normal_of(const Vec3& area, const RegionSums& sums)
     {
         constexpr double thin = 1e-6; // of the square of the length: no plane can be told
-        if (area.stableNorm() > thin * sums.length * sums.length) return area.stableNormalized();
+        if (length_of(area) > thin * sums.length * sums.length) return area.stableNormalized();
         const Vec3 normal = sums.from_surfaces.stableNormalized();
         return normal.squaredNorm() > 0.5 ? normal : Vec3(Vec3::UnitZ());
     }
@@ -227,12 +228,11 @@ private:
         constexpr double as_deep = 1 - 0x1p-20;
         add_best(
             [&](const RegionPoint& p) {
-                return p.depth >= as_deep * region.depth ? flat(p).stableNorm() : -1.0;
+                return p.depth >= as_deep * region.depth ? length_of(flat(p)) : -1.0;
             },
             -1);
         const Vec3 p0 = flat(region.points[0]);
-        if (!add_best([&](const RegionPoint& p) { return (flat(p) - p0).stableNorm(); }, least))
-            return;
+        if (!add_best([&](const RegionPoint& p) { return length_of(flat(p) - p0); }, least)) return;
         const Vec3 p1 = flat(region.points[1]);
         const Vec3 along = (p1 - p0).stableNormalized();
         const auto beside = [&](const Vec3& p) { return along.cross(p - p0).dot(region.normal); };
@@ -288,7 +288,7 @@ private:
         std::vector<Vec3> of_b;
         const auto add = [&](const Triangle& t, std::vector<Vec3>& normals) {
             const bool is_there = std::ranges::any_of(points, [&](const Vec3& p) {
-                return (closest_point(t, p).point - p).stableNorm() <= near;
+                return length_of(closest_point(t, p).point - p) <= near;
             });
             const Vec3 normal = unit_normal({t[0], t[1]}, {t[0], t[2]});
             const bool is_new = std::ranges::none_of(

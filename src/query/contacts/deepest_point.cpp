@@ -1,6 +1,7 @@
 #include "query/contacts/deepest_point.h"
 
 #include "base/progress.h"
+#include "geometry/length.h"
 #include "proxima/signed_distance.h"
 
 #include <algorithm>
@@ -90,7 +91,7 @@ private:
         const Depths depths = depths_at(center);
         if (depths.is_common() && depths.sum() > best_.depth) best_ = {depths.sum(), center};
         // No point of the box is deeper in either by more than its distance from the middle.
-        const double reach = half.stableNorm();
+        const double reach = length_of(half);
         if (depths.in_a + reach < 0 || depths.in_b + reach < 0) return;
         const double most = depths.sum() + 2 * reach;
         if (most <= best_.depth) return;

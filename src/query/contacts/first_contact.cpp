@@ -2,6 +2,7 @@
 
 #include "geometry/closest_point.h"
 #include "geometry/exact_predicates.h"
+#include "geometry/length.h"
 #include "geometry/triangle_contact.h"
 #include "geometry/triangle_distance.h"
 #include "query/contacts/child_steps.h"
@@ -45,7 +46,7 @@ FirstContact FirstContactSearch::find() noexcept
     constexpr double shortest = 0x1p-40;
     const double least = std::clamp(sizes * bounds_.size() / bounds_.fastest(), shortest, 1.0);
     constexpr double widest = 0.25; // radians: what turns farther is bounded badly
-    const double angle = motion_.turn.stableNorm();
+    const double angle = length_of(motion_.turn);
     const double most = angle > widest ? std::max(least, widest / angle) : 1.0;
     double window = least;
     double factor = 2;

@@ -1,5 +1,6 @@
 #include "query/contacts/hull_depth.h"
 
+#include "geometry/length.h"
 #include <Eigen/LU>
 
 #include <algorithm>
@@ -241,7 +242,7 @@ std::optional<Vec3> common_point(const DifferencePoint& inner,
     }
     const Vec3 weights = sides.fullPivLu().solve(-inner.difference);
     const Vec3 origin = inner.difference + sides * weights;
-    if (!(weights.minCoeff() >= 0 && weights.sum() <= 1 && origin.stableNorm() <= 0.5 * rounding))
+    if (!(weights.minCoeff() >= 0 && weights.sum() <= 1 && length_of(origin) <= 0.5 * rounding))
         return std::nullopt;
     return inner.of_a + of_a * weights;
 }

@@ -1,5 +1,6 @@
 #include "query/contacts/motion_bounds.h"
 
+#include "geometry/length.h"
 #include "index/slabs/block_slab.h"
 
 #include <algorithm>
@@ -68,7 +69,7 @@ Vec3 vector_of(const std::array<float, 3>& v)
 // are about 1, so that squares which vanish are of what is far below the margin.
 MotionBounds::MotionBounds(const IndexParts& a, const IndexParts& b,
                            const RigidMotion& motion) noexcept
-    : a_(a), b_(b), motion_(motion), angle_(motion.turn.stableNorm()),
+    : a_(a), b_(b), motion_(motion), angle_(length_of(motion.turn)),
       axis_(motion.turn.stableNormalized())
 {
     const Vec3 start = motion.start(motion.center);
@@ -90,13 +91,13 @@ MotionBounds::MotionBounds(const IndexParts& a, const IndexParts& b,
     double turning = 0;
     for (const Vec3& corner : corners_b) {
         const Vec3 arm = motion.start.rotation * ((corner - motion.center) * unit_);
-        turning = std::max(turning, motion.turn.cross(arm).stableNorm());
+        turning = std::max(turning, length_of(motion.turn.cross(arm)));
     }
     if (is_at_rest()) return;
     constexpr double least = std::numeric_limits<double>::min(); // products may have vanished
-    fastest_ = std::max(least, (displacement_.stableNorm() + turning) * (1 + 0x1p-40));
+    fastest_ = std::max(least, (length_of(displacement_) + turning) * (1 + 0x1p-40));
     const auto diagonal = [&](const std::array<Vec3, 8>& corners) {
-        return ((corners.back() - corners.front()) * unit_).stableNorm();
+        return length_of((corners.back() - corners.front()) * unit_);
     };
     size_ = std::min(diagonal(corners_a), diagonal(corners_b));
 }

@@ -1,4 +1,5 @@
 #include "base/text.h"
+#include "geometry/length.h"
 #include "proxima/time_of_contact.h"
 
 #include <cmath>
@@ -9,7 +10,7 @@ RigidTransform pose_at(const RigidMotion& motion, double time) noexcept
 {
     if (time == 0) return motion.start;
     RigidTransform pose = motion.start;
-    const double angle = motion.turn.stableNorm();
+    const double angle = length_of(motion.turn);
     if (angle == 0) {
         pose.translation += time * motion.displacement;
         return pose;
@@ -34,7 +35,7 @@ RigidMotion motion_between(const RigidTransform& from, const RigidTransform& to,
     // Of the quaternion and its negative, the one that turns by half a revolution at most.
     Eigen::Quaterniond quaternion(turned);
     if (quaternion.w() < 0) quaternion.coeffs() *= -1;
-    const double sine = quaternion.vec().stableNorm();
+    const double sine = length_of(quaternion.vec());
     if (sine > 0) motion.turn = 2 * std::atan2(sine, quaternion.w()) / sine * quaternion.vec();
     return motion;
 }
@@ -48,7 +49,7 @@ Status check_motion(const RigidMotion& motion)
         return fail(ErrorCode::invalid_argument,
                     "a number of the motion is NaN or infinite: give finite ones");
     }
-    const double angle = motion.turn.stableNorm();
+    const double angle = length_of(motion.turn);
     if (angle <= max_motion_turn) return {};
     return fail(ErrorCode::invalid_argument,
                 concat("the motion turns by ", angle, " radians, and at most ", max_motion_turn,

@@ -1,6 +1,7 @@
 #include "base/progress.h"
 #include "base/text.h"
 #include "geometry/exact_predicates.h"
+#include "geometry/length.h"
 #include "index/index_parts.h"
 #include "mesh/coincidence.h"
 #include "proxima/mesh_report.h"
@@ -81,9 +82,9 @@ double hull_error_of(const ConvexPolyhedron& hull, double excess)
     }
     double reach = 0;
     double largest = 0;
-    for (const Vec3& p : hull.points()) largest = std::max(largest, p.stableNorm());
+    for (const Vec3& p : hull.points()) largest = std::max(largest, length_of(p));
     excess += 0x1p-48 * largest; // roundings of heights above planes
-    for (const Vec3& p : hull.points()) reach = std::max(reach, (p - center).stableNorm());
+    for (const Vec3& p : hull.points()) reach = std::max(reach, length_of(p - center));
     return radius > 2 * excess ? excess / (radius - excess) * reach : HUGE_VAL;
 }
 
@@ -106,7 +107,7 @@ bool is_its_hull(const TriangleMesh& mesh, const ConvexPolyhedron& hull)
 /// Whether the mesh is its hull, by the smallest of a few tolerances that it passes.
 void find_convexity(SolidParts& parts, const TriangleMesh& mesh, const Execution& execution)
 {
-    const double diagonal = bounding_box(mesh).extent().stableNorm();
+    const double diagonal = length_of(bounding_box(mesh).extent());
     for (const double tolerance : {1e-9, 1e-12, 0x1p-50}) {
         const auto hull = polyhedron_of_mesh(mesh, {tolerance, execution});
         if (!hull) return;

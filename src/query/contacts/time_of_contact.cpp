@@ -1,6 +1,7 @@
 #include "proxima/time_of_contact.h"
 
 #include "base/check.h"
+#include "geometry/length.h"
 #include "proxima/intersect_meshes.h"
 #include "proxima/mesh_distance.h"
 #include "query/contacts/first_contact.h"
@@ -77,7 +78,7 @@ std::optional<TimeOfContact> time_of_contact(const MeshIndex& a, const MeshIndex
                                              const TimeOfContactOptions& options) noexcept
 {
     if (a.triangle_count() == 0 || b.triangle_count() == 0) return std::nullopt;
-    PROXIMA_CHECK(motion.turn.stableNorm() <= max_motion_turn);
+    PROXIMA_CHECK(length_of(motion.turn) <= max_motion_turn);
     TimeOfContact answer;
     if (meshes_intersect(a, b, motion.start)) {
         place(answer, a, b, motion, {.free_until = 0});
