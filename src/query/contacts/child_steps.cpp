@@ -304,7 +304,9 @@ private:
             step = hn::IfThenElse(is_open, hn::Div(above, below), step);
         }
         step = hn::IfThenElseZero(is_apart, step);
-        const auto is_longer = hn::Gt(step, best_);
+        // A lane that has enough keeps its step, whichever lanes go on beside it: how many there are
+        // differs between instruction sets.
+        const auto is_longer = hn::And(hn::Gt(step, best_), hn::Lt(best_, all(opened_.enough)));
         best_ = hn::IfThenElse(is_longer, step, best_);
         for (int k = 0; k < 3; ++k)
             best_direction_[k] = hn::IfThenElse(is_longer, along.direction[k], best_direction_[k]);
