@@ -61,7 +61,7 @@ class Measuring(ProgramTest):
         self.assertIn("No settings", text)
 
     def test_a_tip_that_never_rests_is_not_pushed(self):
-        loose = ("--device-damping", 0, "--device-friction", 0, "--hand-damping", 0)  # it swings when it is let go
+        loose = ("--device-damping", 0, "--hand-damping", 0.1, "--hand-stiffness", 50)  # it drifts when it is let go
         report = self.json_of("touch", "--self-test", *HAND, *loose)
         self.assertFalse(report["rested"])
         self.assertIsNone(report["settings"])
