@@ -4,6 +4,8 @@ import os
 import re
 from pathlib import Path
 
+from sphinx.errors import ExtensionError
+
 ROOT = Path(os.environ["PROXIMA_ROOT"])
 
 project = "Proxima"
@@ -71,12 +73,16 @@ def is_no_namespace(record):
 
 def follow_dark_windows(app, exception):
     """Debian's furo has lost the rule that takes its dark colours where the window is dark, so that only programs were."""
+    if exception is not None:
+        return
     furo = Path(app.outdir, "_static/styles/furo.css").read_text()
-    if exception is None and "prefers-color-scheme" not in furo:
-        dark = re.search(r'body\[data-theme="dark"\] (\{.*?\})', furo, re.DOTALL)[1]
+    if "prefers-color-scheme" not in furo:
+        dark = re.search(r'body\[data-theme="dark"\] (\{.*?\})', furo, re.DOTALL)
+        if dark is None:
+            raise ExtensionError("furo.css has no rule for body[data-theme=\"dark\"]: see follow_dark_windows in conf.py")
         own = Path(app.outdir, "_static/site.css")
         own.write_text((Path(__file__).parent / "site.css").read_text() +
-                       f'@media (prefers-color-scheme: dark) {{ body:not([data-theme="light"]) {dark} }}\n')
+                       f'@media (prefers-color-scheme: dark) {{ body:not([data-theme="light"]) {dark[1]} }}\n')
 
 
 def setup(app):

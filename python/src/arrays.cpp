@@ -16,15 +16,36 @@ std::string shape_text(const py::array& array)
     return py::str(array.attr("shape")).cast<std::string>();
 }
 
+/// Whether it is a numpy.ma.MaskedArray. There is none unless numpy.ma has been imported.
+bool has_mask(const py::handle& object)
+{
+    if (!py::isinstance<py::array>(object)) return false;
+    const py::str name("numpy.ma");
+    const auto masked = py::reinterpret_steal<py::object>(PyImport_GetModule(name.ptr()));
+    if (!masked && PyErr_Occurred() != nullptr) throw py::error_already_set();
+    return masked && py::isinstance(object, masked.attr("MaskedArray"));
+}
+
+/// What NumPy makes of an object; nothing where it says that this is no array. Refuses masks.
+py::array converted(const py::handle& object, const char* name)
+{
+    if (has_mask(object))
+        refuse(name, "must have no mask: hand over the rows that count, or filled() ones");
+    const auto& numpy = py::detail::npy_api::get();
+    auto array = py::reinterpret_steal<py::array>(numpy.PyArray_FromAny_(
+        object.ptr(), nullptr, 0, 0, py::detail::npy_api::NPY_ARRAY_ENSUREARRAY_, nullptr));
+    if (array) return array;
+    if (PyErr_ExceptionMatches(PyExc_TypeError) == 0 &&
+        PyErr_ExceptionMatches(PyExc_ValueError) == 0)
+        throw py::error_already_set();
+    PyErr_Clear();
+    return array;
+}
+
 py::array any_array(const py::handle& object, const char* name)
 {
-    py::array array = py::array::ensure(object);
-    if (!array) {
-        PyErr_Clear();
-        refuse(name, "must be an array of numbers, is a " + type_name(object));
-    }
-    if (type_name(object) == "MaskedArray")
-        refuse(name, "must have no mask: hand over the rows that count, or filled() ones");
+    py::array array = converted(object, name);
+    if (!array) refuse(name, "must be an array of numbers, is a " + type_name(object));
     return array;
 }
 
@@ -147,8 +168,7 @@ std::vector<std::array<std::uint32_t, 2>> segments_of(const py::handle& object, 
 std::vector<std::int64_t> integers_of(const py::handle& object, const char* name,
                                       const char* wanted)
 {
-    const auto given = py::array::ensure(object);
-    PyErr_Clear();
+    const py::array given = converted(object, name);
     const bool whole = given && (given.dtype().kind() == 'i' || given.dtype().kind() == 'u' ||
                                  given.size() == 0); // an empty list has dtype float64
     if (!whole || given.ndim() > 1) refuse(name, std::string("must be ") + wanted);

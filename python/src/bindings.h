@@ -23,7 +23,7 @@ void bind_minkowski(py::module_& module);
 void bind_scene(py::module_& module);
 void bind_solid(py::module_& module);
 
-/// What is said of an object that __new__ made without __init__.
+/// Error for an object that __new__ made without __init__.
 inline constexpr const char* without_value =
     "the object was made by __new__ alone and holds nothing: call its class instead";
 

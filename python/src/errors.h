@@ -41,7 +41,7 @@ private:
     throw Failure({ErrorCode::invalid_argument, std::move(message), std::move(argument)});
 }
 
-/// What counts may be where nothing else bounds them.
+/// The limit of counts that nothing else bounds.
 inline constexpr std::int64_t any_count = std::numeric_limits<std::int64_t>::max();
 
 /// A count from `least` to `most`; refuses others.
@@ -57,7 +57,7 @@ void check_not_negative(double number, const char* name);
     return Py_TYPE(object.ptr())->tp_name;
 }
 
-/// The characters of a str. Those that UTF-8 has not, as of half a surrogate pair, are escaped.
+/// The text of a str. Characters that UTF-8 cannot encode, such as lone surrogates, are escaped.
 [[nodiscard]] std::string text_of(const py::handle& text);
 
 /// Refuses an object of another type. `wanted` says what it must be: "a proxima.Motion".

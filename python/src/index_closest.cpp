@@ -58,7 +58,10 @@ std::vector<std::string> column_names(const py::object& columns)
         refuse_object(columns, "columns", wanted);
     std::vector<std::string> names;
     for (const py::handle& name : py::reinterpret_borrow<py::sequence>(columns)) {
-        if (!py::isinstance<py::str>(name)) refuse_object(name, "columns", wanted);
+        if (!py::isinstance<py::str>(name)) {
+            refuse_object(name, ("columns[" + std::to_string(names.size()) + "]").c_str(),
+                          "the name of a column");
+        }
         names.push_back(text_of(name));
     }
     return names;

@@ -73,7 +73,7 @@ private:
     const char* name_;
 };
 
-py::object columns_of(std::span<const FarPlace> places)
+py::object columns_of_places(std::span<const FarPlace> places)
 {
     const std::size_t size = places.size();
     auto distance = new_array<double>(size);
@@ -141,7 +141,7 @@ py::object deviation(const MeshIndex& index, const MeshIndex& other, double tole
         }
     }
     if (place_count > 0) {
-        columns["places"] = columns_of(greatest.places);
+        columns["places"] = columns_of_places(greatest.places);
         columns["all_places"] = greatest.has_all_places;
     }
     return result_type("Deviation")(bounds_array(greatest.distance), vector_of(greatest.point_a),

@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -67,8 +68,11 @@ py::object nearest(const MeshIndex& index, const py::object& points, Integer cou
     constexpr std::int64_t most = std::numeric_limits<std::int32_t>::max();
     const std::size_t columns = count_of(count, "count", most, 1);
     check_not_negative(radius, "radius");
-    value_of(check_budget({}, argument.size() * columns * (sizeof(double) + sizeof(std::int32_t)),
-                          "the answer", "ask for fewer triangles or fewer points at once"));
+    // At most 2^63, so that nothing wraps.
+    const std::size_t row_bytes = columns * (sizeof(double) + sizeof(std::int32_t));
+    const auto most_rows = std::numeric_limits<std::int64_t>::max() / row_bytes;
+    value_of(check_budget({}, std::min(argument.size(), most_rows) * row_bytes, "the answer",
+                          "ask for fewer triangles or fewer points at once"));
     auto distances = new_rows<double>(argument.size(), columns);
     auto triangles = new_rows<std::int32_t>(argument.size(), columns);
     double* distance = distances.mutable_data();

@@ -8,7 +8,7 @@
 
 namespace proxima::python {
 
-/// An int of Python, or what numbers of NumPy stand for one. Beyond 64 bits it is the nearest that fits.
+/// An int of Python or NumPy; beyond 64 bits it is clamped.
 struct Integer {
     std::int64_t value = 0;
 };
@@ -25,6 +25,7 @@ struct type_caster<proxima::python::Integer> {
     {
         const auto whole = reinterpret_steal<object>(PyNumber_Index(source.ptr()));
         if (!whole) {
+            if (PyErr_ExceptionMatches(PyExc_TypeError) == 0) throw error_already_set();
             PyErr_Clear();
             return false;
         }

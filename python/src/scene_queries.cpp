@@ -76,10 +76,11 @@ private:
     HitArrays hits_;
 };
 
-py::object cast_rays(const Scene& self, const py::object& origins, const py::object& directions,
-                     const py::object& t_min, const py::object& t_max, const std::string& hits,
-                     const std::string& faces, const py::object& layers, Integer threads,
-                     const py::object& progress)
+py::object cast_rays_in_scene(const Scene& self, const py::object& origins,
+                              const py::object& directions, const py::object& t_min,
+                              const py::object& t_max, const std::string& hits,
+                              const std::string& faces, const py::object& layers, Integer threads,
+                              const py::object& progress)
 {
     const std::vector<Ray> rays = rays_of(origins, directions, t_min, t_max);
     SceneRayOptions options{.faces = faces_named(faces),
@@ -165,7 +166,7 @@ py::array instances_in_box(const Scene& self, const py::object& lower, const py:
 {
     const Box box = box_between(lower, upper);
     if (!box.lower.allFinite() || !box.upper.allFinite())
-        refuse("lower", "must be finite, and upper, too");
+        refuse("lower", "must be finite, as must upper");
     std::vector<InstanceId> ids;
     visit_instances(self, box, layers_of(layers, "layers"), [&](InstanceId id) {
         ids.push_back(id);
@@ -190,7 +191,7 @@ void bind_scene_queries(py::class_<Scene>& scene)
     layers  bits: only instances that have one of them
 
 Equally near instances: the lowest. 3 to 6 us each among 10,000 instances. Raises InvalidInput for NaN and infinity.)")
-        .def("cast", &cast_rays, py::arg("origins"), py::arg("directions"), py::kw_only(),
+        .def("cast", &cast_rays_in_scene, py::arg("origins"), py::arg("directions"), py::kw_only(),
              py::arg("t_min") = 0.0, py::arg("t_max") = infinity, py::arg("hits") = "first",
              py::arg("faces") = "both", py::arg("layers") = all, py::arg("threads") = 0,
              py::arg("progress") = py::none(),

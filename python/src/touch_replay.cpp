@@ -29,7 +29,7 @@ struct Replayed {
     std::optional<HapticRenderer> renderer;
 };
 
-DeviceLimits limits_of(const RecordingSettings& settings)
+DeviceLimits limits_of_recording(const RecordingSettings& settings)
 {
     return {.name = "recorded",
             .max_force = settings.max_force,
@@ -45,7 +45,7 @@ DeviceLimits limits_of(const RecordingSettings& settings)
 /// As `proxima touch` has it.
 Result<Replayed> touch_again(const RecordingSettings& settings, const MeshIndex& index)
 {
-    const DeviceLimits limits = limits_of(settings);
+    const DeviceLimits limits = limits_of_recording(settings);
     if (Status status = check_render_settings(settings.map, limits, settings.render); !status)
         return tl::unexpected(status.error());
     Replayed replayed;
@@ -102,8 +102,8 @@ Replayed of_scene(const RecordingSettings& settings, const py::object& models)
     }
     Replayed replayed;
     replayed.scene = value_of(ScriptedScene::make(bodies, settings.objects, settings.room));
-    replayed.renderer = value_of(make_haptic_renderer(replayed.scene->scene(), settings.map,
-                                                      limits_of(settings), settings.render));
+    replayed.renderer = value_of(make_haptic_renderer(
+        replayed.scene->scene(), settings.map, limits_of_recording(settings), settings.render));
     return replayed;
 }
 

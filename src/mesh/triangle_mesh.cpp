@@ -15,7 +15,7 @@ namespace proxima {
 
 namespace {
 
-/// That there are not too many of what becomes triangles: of `things`, a plural.
+/// Refuses more than 2^31 - 1 things; `things` is their name in the plural.
 Status check_count(std::size_t count, std::string_view things)
 {
     if (count <= std::numeric_limits<std::int32_t>::max()) return {};
@@ -23,17 +23,18 @@ Status check_count(std::size_t count, std::string_view things)
                 concat("a mesh has at most 2^31 - 1 ", things, ", this one ", count));
 }
 
-/// The same, and that the indices of each are those of positions. Both are named for the message.
+/// Refuses too many things, and indices beyond the positions. The names are for the message.
 template <std::size_t N>
 Status check_indices(std::span<const std::array<std::uint32_t, N>> things, std::size_t positions,
-                     std::string_view thing, std::string_view position)
+                     std::string_view thing, std::string_view position, std::string_view plural)
 {
     if (Status status = check_count(things.size(), concat(thing, "s")); !status) return status;
     for (std::size_t i = 0; i < things.size(); ++i) {
         for (const std::uint32_t index : things[i]) {
             if (index < positions) continue;
-            return fail(ErrorCode::invalid_mesh, concat(thing, " ", i, " uses ", position, " ",
-                                                        index, ": there are only ", positions));
+            return fail(ErrorCode::invalid_mesh,
+                        concat(thing, " ", i, " uses ", position, " ", index, ": there are only ",
+                               positions, " ", plural));
         }
     }
     return {};
@@ -49,7 +50,8 @@ Result<TriangleMesh> make_triangle_mesh(std::vector<Vec3> positions,
                     concat("a mesh has at most 2^32 - 2 vertices, this one ", positions.size()));
     }
     const std::span<const TriangleCorners> corners = triangles;
-    if (Status status = check_indices(corners, positions.size(), "triangle", "vertex"); !status)
+    if (Status status = check_indices(corners, positions.size(), "triangle", "vertex", "vertices");
+        !status)
         return tl::unexpected(status.error());
     TriangleMesh mesh;
     mesh.positions_ = std::move(positions);
@@ -70,7 +72,8 @@ Result<TriangleMesh> mesh_of_points(std::vector<Vec3> positions)
 Result<TriangleMesh> mesh_of_segments(std::vector<Vec3> positions,
                                       std::span<const std::array<std::uint32_t, 2>> segments)
 {
-    if (Status status = check_indices(segments, positions.size(), "segment", "point"); !status)
+    if (Status status = check_indices(segments, positions.size(), "segment", "point", "points");
+        !status)
         return tl::unexpected(status.error());
     std::vector<TriangleCorners> triangles;
     triangles.reserve(segments.size());

@@ -60,6 +60,15 @@ class Measuring(ProgramTest):
         self.assertIn("above 0.99", text)
         self.assertIn("No settings", text)
 
+    def test_a_tip_that_never_rests_is_not_pushed(self):
+        loose = ("--device-damping", 0, "--hand-damping", 0.1, "--hand-stiffness", 50)  # it drifts when it is let go
+        report = self.json_of("touch", "--self-test", *HAND, *loose)
+        self.assertFalse(report["rested"])
+        self.assertIsNone(report["settings"])
+        for axis in report["axes"].values():
+            self.assertEqual((axis["ramps"], axis["pushes"], axis["mass"]), (["not_done"] * 2, ["not_done"] * 2, None))
+        self.assertIn("The tip did not rest after it was let go", self.succeed("touch", "--self-test", *HAND, *loose))
+
     def test_refuses_what_it_does_not_use(self):
         for arguments, words in (
                 (("cube", "--self-test", *HAND), ("MODEL", "leave it out")),

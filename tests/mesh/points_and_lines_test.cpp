@@ -133,7 +133,7 @@ TEST(PointsAndLines, MeshesOfPointsAndSegments)
     const auto refused = mesh_of_segments(positions, outside);
     ASSERT_FALSE(refused);
     EXPECT_EQ(refused.error().code, ErrorCode::invalid_mesh);
-    EXPECT_EQ(refused.error().message, "segment 0 uses point 3: there are only 3");
+    EXPECT_EQ(refused.error().message, "segment 0 uses point 3: there are only 3 points");
     EXPECT_EQ(corners_of(mesh_of_points({})), Corners{});
 }
 

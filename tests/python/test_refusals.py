@@ -23,6 +23,10 @@ class Hostile:
     __float__ = __index__ = __len__ = __array__
 
 
+class SubclassOfMasked(np.ma.MaskedArray):
+    """One by another name."""
+
+
 def without_value(kind):
     return kind.__new__(kind)
 
@@ -131,7 +135,7 @@ def wrong_values(good):
         if array.ndim:
             yield from (array[::-1], array[:0], array[..., :1], np.ma.array(array, mask=array > 0),
                         np.frombuffer(b"\0" + array.tobytes(), "u1")[1:].view("f8").reshape(array.shape),
-                        np.lib.stride_tricks.as_strided(array, (2**40, *array.shape[1:]), (0, *array.strides[1:])))
+                        np.lib.stride_tricks.as_strided(array, (2**55, *array.shape[1:]), (0, *array.strides[1:])))
 
 
 @pytest.fixture(scope="module")
@@ -160,6 +164,8 @@ def ask(function, arguments):
     """What it raises, or None."""
     try:
         function(**arguments)
+    except KeyboardInterrupt:
+        raise
     except BaseException as error:
         return error
     return None
@@ -206,8 +212,10 @@ def test_any_column_is_answered_or_refused(table, name, argument):
     ("Index.self_intersections", "max_pairs", -1, "max_pairs: must be 0 or more"), ("Index.nearest", "count", 0, "count: must be from 1"),
     ("Index.distance_to", "farthest", np.nan, "farthest: must be 0 or more, is nan"), ("pose_at", "time", np.nan, "time: must be finite"),
     ("Polyhedron.box", "upper", [0, 0, np.nan], "lower: must be at most upper along each axis, and no NaN"),
-    ("Mesh.of_segments", "segments", [[0, 9]], "segment 0 uses point 9: there are only 5"), ("Mesh", "faces", [[0, 1, 99]], "triangle 0 uses vertex 99"),
+    ("Mesh.of_segments", "segments", [[0, 9]], "segment 0 uses point 9: there are only 5 points"), ("Mesh", "faces", [[0, 1, 99]], "triangle 0 uses vertex 99: there are only 42 vertices"),
     ("Index.contains", "points", np.ma.array(POINTS, mask=POINTS > 0), "points: must have no mask"),
+    ("Index.contains", "points", SubclassOfMasked(POINTS, mask=POINTS > 0), "points: must have no mask"),
+    ("Mesh.part", "triangles", np.ma.array([0, 1], mask=[0, 1]), "triangles: must have no mask"),
     ("Mesh.part", "triangles", np.array([2**64 - 1], "u8"), "triangles: has a number of 2.63 or more"), ("Mesh.sample", "name", "a\0b", "a\0b"),
     ("Mesh.read", "path", b"\xff.ply", r"\\xff\.ply")])
 def test_says_what_is_wrong(table, name, argument, wrong, says):
@@ -218,7 +226,7 @@ def test_says_what_is_wrong(table, name, argument, wrong, says):
 
 @pytest.mark.parametrize("name, argument, wrong, says", [
     ("both_ways", "there", 3, "there: must be a proxima.Deviation, is a int"), ("both_ways", "back", None, "back: must be a proxima.Deviation"),
-    ("Index.closest", "columns", "distance", "columns: must be a tuple of names"), ("Index.closest", "columns", [3], "columns: .*, is a int"),
+    ("Index.closest", "columns", "distance", "columns: must be a tuple of names"), ("Index.closest", "columns", ["point", 3], r"columns\[1\]: must be .*, is a int"),
     ("Index.closest", "out", 3, "out: must be a proxima.Closest, is a int"), ("Mesh.weld", "progress", 3, "progress: must be None or a function"),
     ("Solid.overlaps", "other", without_value(proxima.Solid), "made by __new__ alone"),
     ("Index", "mesh", without_value(proxima.Mesh), "made by __new__ alone")])
@@ -241,6 +249,28 @@ def test_objects_without_a_value_are_refused(kind):
     if kind is proxima.Index:
         with pytest.raises(TypeError, match="made by __new__ alone"):
             empty.closest_one(0, 0, 0)
+
+
+@pytest.mark.parametrize("error", [KeyboardInterrupt, MemoryError, RuntimeError])
+def test_errors_of_arguments_themselves_reach_the_caller(table, error):
+    class Failing:
+        def __array__(self, *_):
+            raise error("hostile")
+
+        __index__ = __array__
+
+    for name, argument in (("Index.contains", "points"), ("Mesh.part", "triangles"), ("Index.nearest", "count"), ("Index.closest", "threads")):
+        function, good = table[name]
+        with pytest.raises(error, match="hostile"):
+            function(**{**good, argument: Failing()})
+
+
+def test_bytes_of_answers_do_not_wrap(tmp_path):
+    rows, columns = 716165683, 2146470725
+    assert rows * columns * 12 - 2**64 < 20_000  # bytes: they would wrap
+    points = np.memmap(tmp_path / "points", float, "w+", shape=(rows, 3))  # a file of holes
+    with pytest.raises(proxima.LimitExceeded, match="the answer needs at least 9223"):
+        proxima.Index(CUBE).nearest(points, columns)
 
 
 def test_intervals_must_be_in_order(table):
