@@ -164,8 +164,6 @@ private:
         const auto triangles = slice_.mesh.triangles();
         for (std::size_t t = 0; t < triangles.size(); ++t) {
             const TriangleCorners& corners = triangles[t];
-            const bool repeats =
-                corners[0] == corners[1] || corners[1] == corners[2] || corners[2] == corners[0];
             for (std::size_t k = 0; k < 3; ++k) {
                 const EdgeId id = features_.triangle_edges[t][k];
                 if (id == no_edge) continue;
@@ -174,7 +172,8 @@ private:
                 SliceEdge& edge = edges[to_index(id)];
                 edge.low = slice_.vertices[std::min(from, to)];
                 edge.high = slice_.vertices[std::max(from, to)];
-                if (!repeats) edge.excess += from < to ? 1 : -1;
+                // A triangle that repeats a vertex runs along its edge there and back.
+                edge.excess += from < to ? 1 : -1;
             }
         }
         sent_.resize(ranks_);

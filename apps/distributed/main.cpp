@@ -95,8 +95,8 @@ int run(int argc, char** argv, World& world)
                : 1;
 }
 
-/// Ends all ranks, with one line: the others wait for this one, which cannot tell them. Needs no
-/// memory.
+/// Ends all ranks, with a line of this rank: the others wait for it, and it cannot tell them. Needs
+/// no memory.
 [[noreturn]] void stop_all(const char* why)
 {
     int rank = 0;
@@ -120,6 +120,7 @@ void name_errors_of_mpi()
     MPI_Errhandler handler = MPI_ERRHANDLER_NULL;
     MPI_Comm_create_errhandler(stop_at_mpi_error, &handler);
     MPI_Comm_set_errhandler(MPI_COMM_WORLD, handler);
+    MPI_Errhandler_free(&handler); // the communicator keeps it
 }
 
 void start_p4est()

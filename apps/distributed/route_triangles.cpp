@@ -33,7 +33,8 @@ int usable_depth(const OctreeFrame& frame, const RouteOptions& options)
     return depth;
 }
 
-/// Pairs of a triangle and a cell that may be sent: so many do not cost more than the triangles do.
+/// Pairs of a triangle and a cell that are cheap to send: their numbers cost no more than the
+/// triangles.
 constexpr double cheap_pairs_per_triangle = 8;
 constexpr double cheap_pairs_per_rank = 1 << 16;
 /// Cells that each rank gets at least, whatever they cost, where the options and the mesh allow it.

@@ -14,8 +14,9 @@ World::World()
     // Where memory ran out in MPI_Init, Open MPI may go on with ranks that listen where others do not
     // send: each would wait for ever.
     constexpr double seconds = 30;
-    const std::vector<int> sent(static_cast<std::size_t>(size_));
-    std::vector<int> received(sent.size());
+    // Static: where this throws, the request still has them.
+    static const std::vector<int> sent(static_cast<std::size_t>(size_));
+    static std::vector<int> received(sent.size());
     MPI_Request request = MPI_REQUEST_NULL;
     MPI_Ialltoall(sent.data(), 1, MPI_INT, received.data(), 1, MPI_INT, MPI_COMM_WORLD, &request);
     int is_done = 0;

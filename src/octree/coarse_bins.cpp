@@ -250,8 +250,9 @@ tl::unexpected<Error> too_many_pairs(int depth)
 {
     return fail(ErrorCode::limit_exceeded,
                 concat("the triangles touch cells of depth ", depth,
-                       " more than 2^32 times: ask for less depth, or share the mesh out over more "
-                       "processes"));
+                       " more than 2^32 times in one process: lower the depth below ", depth,
+                       " (in proxima-mpi, --routing-depth is enough), or use more processes of "
+                       "proxima-mpi"));
 }
 
 } // namespace

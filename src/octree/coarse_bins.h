@@ -40,16 +40,15 @@ struct CoarseBins {
 /// most triangles, at most max_depth.
 [[nodiscard]] int choose_bin_depth(const SnappedMesh& mesh, int max_depth);
 
-/// Of many triangles, in edges of the root: the widths of their boxes along all axes, and the areas of
-/// their shadows on the three coordinate planes.
+/// Sums over triangles, in edges of the root: the widths of their boxes along all axes, and the areas
+/// of their projections on the coordinate planes.
 struct CoverageSum {
     double triangles = 0;
     double widths = 0;
     double areas = 0;
 
-    /// How many pairs of a triangle and a cell of that depth that it touches there are, on average
-    /// over all places of the cells' grid: the volume of the triangle's Minkowski sum with a cell, in
-    /// cells.
+    /// Expected number of pairs of a triangle and a cell of that depth that touch, averaged over all
+    /// shifts of the grid: the volumes of the triangles' Minkowski sums with a cell, in cells.
     [[nodiscard]] double pairs(int depth) const noexcept
     {
         const double cells = std::ldexp(1.0, depth);
@@ -57,8 +56,10 @@ struct CoverageSum {
     }
 };
 
-/// Looks at a sample of about 2^16 triangles. So a mesh has seldom more than a quarter of a pair a
-/// triangle beyond what this tells.
+/// Estimated from every n-th triangle, about 2^16 of them. What pairs() then tells is within an eighth
+/// of the pairs that bin_triangles finds of random triangles in the root from depth 3 on, and within a
+/// half above (coarse_bins_test.cpp). The grid that bins use has one shift: a mesh whose faces lie in
+/// planes between cells touches both sides of them, about twice as many cells.
 [[nodiscard]] CoverageSum sum_coverage(const SnappedMesh& mesh);
 
 /// Bins all triangles; the result does not depend on the threads. Not to be used once `progress` is

@@ -4,108 +4,14 @@ import random
 import signal
 import struct
 import subprocess
-import tempfile
 import unittest
-from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 from generated_meshes import ball_in_a_box, nasty_mesh, npy, ply, shell, surfaces, wide_triangles
+from mpi_program import PROXIMA, DistributedTest, faulty, messages, on_a_full_disk, run, run_apart, run_each
 
-PROXIMA, PROGRAM, MPIRUN = (os.environ[name] for name in ("PROXIMA", "PROXIMA_MPI", "MPIRUN"))
-SECONDS = 200
 SURFACES = int(os.environ.get("SURFACES", "12"))
 SEED = int(os.environ.get("SEED", random.randrange(1 << 30)))
-
-
-def command(ranks, *arguments):
-    root = ["--allow-run-as-root"] if os.geteuid() == 0 else []
-    # Containers forbid the copies between processes that Open MPI would make by a system call; and it starts in less time with the
-    # components alone that ranks on one machine need.
-    options = {"btl_vader_single_copy_mechanism": "none", "pml": "ob1", "btl": "self,vader", "osc": "pt2pt", "coll": "tuned,basic,libnbc,self,inter",
-               "plm": "isolated"}
-    words = [word for option in options.items() for word in ("--mca", *option)]
-    return [MPIRUN, *root, *words, "--oversubscribe", "-n", str(ranks), PROGRAM, *map(str, arguments)]
-
-
-def run(ranks, *arguments):
-    return subprocess.run(command(ranks, *arguments), capture_output=True, text=True, timeout=SECONDS)
-
-
-def run_each(jobs):
-    """Runs two at a time, for a run mostly waits for its processes to start and end; each job is the arguments of run()."""
-    with ThreadPoolExecutor(2) as pool:
-        return list(pool.map(lambda job: run(*job), jobs))
-
-
-def run_apart(*ranks):
-    """One rank for each folder and its arguments."""
-    words = []
-    for folder, arguments in ranks:
-        one = command(1, *arguments)
-        one[one.index(PROGRAM):one.index(PROGRAM)] = ["-wdir", str(folder)]
-        words += [":", *one[one.index("-n"):]] if words else one
-    return subprocess.run(words, capture_output=True, text=True, timeout=SECONDS)
-
-
-def faulty(call, action, *arguments, ranks=3, rank=0, at=1, count=os.devnull):
-    """A run in which one such call of one rank fails or kills it (tests/apps/fault_shim.cpp). MPI itself writes, but neither fsyncs nor renames, and has no C++."""
-    shell = 'if [ "$OMPI_COMM_WORLD_RANK" = "$FAULT_RANK" ]; then export LD_PRELOAD="$FAULT_SHIM"; fi; exec "$@"'
-    words = command(ranks, *arguments)
-    words[words.index(PROGRAM):words.index(PROGRAM)] = ["bash", "-c", shell, "-"]
-    faults = {"FAULT_RANK": str(rank), "FAULT_CALL": call, "FAULT_AT": str(at), "FAULT_ACTION": action, "FAULT_COUNT": str(count)}
-    return subprocess.run(words, capture_output=True, text=True, timeout=SECONDS, env={**os.environ, **faults})
-
-
-def on_a_full_disk(*arguments):
-    """A run whose files may have no more than 100 KiB."""
-    # Ranks that talk through files in memory would meet the limit before there is anything to save.
-    words = command(3, *arguments)
-    words[words.index("self,vader")] = "self,tcp"
-    words[words.index(PROGRAM):words.index(PROGRAM)] = ["bash", "-c", 'ulimit -f 100; exec "$@"', "-"]
-    return subprocess.run(words, capture_output=True, text=True, timeout=SECONDS, env={**os.environ, "PMIX_MCA_gds": "hash"})
-
-
-def ranks_of(process):
-    """The process numbers of the ranks of a run."""
-    below = Path(f"/proc/{process.pid}/task/{process.pid}/children").read_text().split()
-    return [int(number) for number in below if Path(f"/proc/{number}/comm").read_text().strip() == Path(PROGRAM).name[:15]]
-
-
-def messages(text):
-    return [line for line in text.splitlines() if line.startswith("proxima-mpi: ")]
-
-
-class DistributedTest(unittest.TestCase):
-    def setUp(self):
-        folder = tempfile.TemporaryDirectory()
-        self.addCleanup(folder.cleanup)
-        self.folder = Path(folder.name)
-
-    def file(self, name, content):
-        path = self.folder / name
-        path.write_bytes(content)
-        return path
-
-    def proxima(self, *arguments):
-        result = subprocess.run([PROXIMA, *map(str, arguments)], capture_output=True, text=True)
-        self.assertEqual(result.returncode, 0, result.stderr)
-        return result.stdout
-
-    def rank_rows(self, text, ranks):
-        """What the table of an octree's ranks says of each."""
-        lines = text.splitlines()
-        first = next(i for i, line in enumerate(lines) if line.startswith("Rank"))
-        names = [name.strip() for name in lines[first].split("  ") if name.strip()]
-        rows = [dict(zip(names, map(int, line.split()))) for line in lines[first + 2:first + 2 + ranks]]
-        self.assertEqual([row["Rank"] for row in rows], list(range(ranks)))
-        return rows
-
-    @staticmethod
-    def figures(text):
-        """The two tables of an octree, without what differs from run to run."""
-        lines = [line.split() for line in text.splitlines()]
-        first = next(i for i, line in enumerate(lines) if line[:2] == ["Depth", "Threshold"])
-        return lines[first:first + 7]
 
 
 class Octree(DistributedTest):
@@ -418,66 +324,6 @@ class Exporting(DistributedTest):
         self.assertEqual(len(messages(result.stderr)), 1, result.stderr)
         self.assertIn("leaves_1.vtu: cannot write this file", result.stderr)
         self.assertEqual([left.name for left in self.folder.iterdir()], ["leaves_1.vtu"])
-
-
-class Stopping(DistributedTest):
-    def start(self):
-        """A run that takes a while, once it is under way."""
-        process = subprocess.Popen(command(2, "--progress", "octree", "torus:1500x1000", "--depth", 11), text=True,
-                                   stdout=subprocess.PIPE, stderr=subprocess.PIPE)
-        self.addCleanup(process.kill)
-        self.assertIn("proxima: ", process.stderr.readline())
-        return process
-
-    def expect_stopped(self, errors):
-        self.assertEqual(len(messages(errors)), 1, errors)
-        self.assertTrue(messages(errors)[0].endswith("was stopped on request"), errors)
-
-    def test_interrupt_as_a_terminal_sends_it(self):
-        process = self.start()
-        process.send_signal(signal.SIGINT)
-        out, errors = process.communicate(timeout=SECONDS)
-        self.assertNotEqual(process.returncode, 0)
-        if messages(errors):  # mpirun kills ranks that take more than a second to end
-            self.expect_stopped(errors)
-        self.assertEqual(out.count("triangles,"), 0)
-
-    def test_interrupt_of_one_rank_stops_all(self):
-        process = self.start()
-        os.kill(ranks_of(process)[1], signal.SIGINT)
-        out, errors = process.communicate(timeout=SECONDS)
-        self.assertEqual(process.returncode, 128 + signal.SIGINT)
-        self.expect_stopped(errors)
-        self.assertEqual(out.count("triangles,"), 0)
-
-    def test_a_killed_rank_ends_the_run(self):
-        process = self.start()
-        os.kill(ranks_of(process)[1], signal.SIGKILL)
-        out, errors = process.communicate(timeout=SECONDS)
-        self.assertEqual(process.returncode, 128 + signal.SIGKILL)
-        self.assertIn("signal 9", errors)
-        self.assertEqual(out.count("triangles,"), 0)
-
-
-class Memory(DistributedTest):
-    def test_a_failed_allocation_ends_all_ranks_with_one_line(self):
-        """Of a rank's own; what MPI and p4est do where theirs fail is up to them."""
-        chance = random.Random(SEED)
-        jobs = [["octree", "torus:30x20", "--depth", 6, "--save", self.folder / "a.pxo", "--out", self.folder / "a.pvtu"]]
-        jobs += [[name, "torus:30x20", "--point", "1,2,3"] for name in ("closest", "sign")] + [["rays", "torus:30x20", "--ray", "0,0,5,0,0,-1"]]
-        for job in jobs:
-            rank = chance.randrange(2)
-            self.assertEqual(faulty("new", "fail", *job, ranks=2, rank=rank, at=0, count=self.folder / "count").returncode, 0)
-            count = int((self.folder / "count").read_text())
-            self.assertGreater(count, 100)
-            for at in chance.sample(range(1, count + 1), 8 if job[0] == "octree" else 3):
-                result = faulty("new", "fail", *job, ranks=2, rank=rank, at=at)
-                with self.subTest(job=job[0], rank=rank, at=at, of=count, seed=SEED):
-                    if result.returncode == 0:  # sorts do with less memory
-                        continue
-                    self.assertEqual(result.returncode, 1, result.stderr)
-                    self.assertEqual(len(messages(result.stderr)), 1, result.stderr)
-                    self.assertIn("memory ran out", messages(result.stderr)[0])
 
 
 if __name__ == "__main__":

@@ -6,8 +6,9 @@ import struct
 import subprocess
 import unittest
 
-from octree_test import PROXIMA, DistributedTest, command, faulty, messages, nasty_mesh, on_a_full_disk, ply, ranks_of, run, run_each
-from octree_test import npy as mesh_npy
+from generated_meshes import nasty_mesh, ply
+from generated_meshes import npy as mesh_npy
+from mpi_program import PROXIMA, DistributedTest, command, faulty, messages, on_a_full_disk, ranks_of, run, run_each
 
 SEED = int(os.environ.get("SEED", random.randrange(1 << 30)))
 print("seed", SEED, flush=True)
