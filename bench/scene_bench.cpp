@@ -55,7 +55,7 @@ public:
             ids_.push_back(InstanceId{static_cast<std::uint32_t>(i)});
             poses_.push_back(poses[i]);
         }
-        const Status moved = move_instances(scene_, ids_, poses_, {one_thread});
+        const Status moved = move_in_place(scene_, ids_, poses_, {one_thread});
         if (!moved) throw std::runtime_error(describe(moved.error()));
     }
     [[nodiscard]] bool casts_rays() const override { return true; }

@@ -1,11 +1,13 @@
 #include "counted_allocations.h"
 
+#include <cstddef>
 #include <cstdlib>
 #include <new>
 
 namespace {
 
 thread_local std::size_t allocations = 0;
+thread_local std::size_t until_failure = 0;
 
 } // namespace
 
@@ -17,18 +19,41 @@ thread_local std::size_t allocations = 0;
 
 #ifndef PROXIMA_OPERATORS_ARE_TAKEN
 // NOLINTBEGIN(cppcoreguidelines-no-malloc,misc-new-delete-overloads): what they replace
-void* operator new(std::size_t size)
+namespace {
+
+/// Null where it is to fail, or the system has none.
+void* allocate(std::size_t size, std::size_t alignment) noexcept
 {
     ++allocations;
-    void* const memory = std::malloc(size > 0 ? size : 1);
+    if (until_failure > 0 && --until_failure == 0) return nullptr;
+    // A multiple of the alignment, and not 0.
+    const std::size_t whole = (size / alignment + 1) * alignment;
+    return alignment > alignof(std::max_align_t) ? std::aligned_alloc(alignment, whole)
+                                                 : std::malloc(size > 0 ? size : 1);
+}
+
+void* allocate_or_throw(std::size_t size, std::size_t alignment)
+{
+    void* const memory = allocate(size, alignment);
     if (memory == nullptr) throw std::bad_alloc();
     return memory;
 }
 
+} // namespace
+
+void* operator new(std::size_t size)
+{
+    return allocate_or_throw(size, 1);
+}
+
+void* operator new(std::size_t size, std::align_val_t alignment)
+{
+    return allocate_or_throw(size, static_cast<std::size_t>(alignment));
+}
+
 void* operator new(std::size_t size, const std::nothrow_t& /*tag*/) noexcept
 {
-    ++allocations;
-    return std::malloc(size > 0 ? size : 1);
+    return allocate(size, 1);
 }
 
 void operator delete(void* memory) noexcept
@@ -37,6 +62,16 @@ void operator delete(void* memory) noexcept
 }
 
 void operator delete(void* memory, std::size_t /*size*/) noexcept
+{
+    std::free(memory);
+}
+
+void operator delete(void* memory, std::align_val_t /*alignment*/) noexcept
+{
+    std::free(memory);
+}
+
+void operator delete(void* memory, std::size_t /*size*/, std::align_val_t /*alignment*/) noexcept
 {
     std::free(memory);
 }
@@ -51,4 +86,9 @@ void operator delete(void* memory, const std::nothrow_t& /*tag*/) noexcept
 std::size_t proxima::testing::allocation_count() noexcept
 {
     return allocations;
+}
+
+void proxima::testing::fail_allocation(std::size_t number) noexcept
+{
+    until_failure = number;
 }

@@ -1,11 +1,15 @@
-// How often a test program allocates. Link counted_allocations.cpp into it, once.
+// How often a test program allocates, and what happens where memory runs out. Link counted_allocations.cpp into
+// it, once.
 #pragma once
 
 #include <cstddef>
 
 namespace proxima::testing {
 
-/// Calls of operator new so far, by this thread.
+/// Calls of operator new so far, by this thread. None under clang's thread sanitizer.
 [[nodiscard]] std::size_t allocation_count() noexcept;
+
+/// Lets one call of operator new by this thread fail: the next one for 1, the one after it for 2; none for 0.
+void fail_allocation(std::size_t number) noexcept;
 
 } // namespace proxima::testing

@@ -83,15 +83,17 @@ struct FieldOutputs {
 struct FieldOptions {
     /// Distances up to this are exact, in the mesh's unit; what is farther is not searched for.
     double band = std::numeric_limits<double>::infinity();
-    Execution execution = {};
+    Execution execution = {}; ///< budget: what an open mesh takes
 };
 
 /// Fills a grid with signed distances. The same for any number of threads, and with every instruction
 /// set. On one thread 0.3 us per point of a closed mesh of 70,000 triangles at 256 points a side, 0.8 us
 /// at 128, more with gradients; of an open mesh some microseconds more near the surface and its border,
-/// for winding numbers. A thread takes 32^3 points at once, and some MB. Thread safe. Errors: invalid_argument (the
-/// index has no signs, a span has another size, spacing or band is not positive, a point is not finite,
-/// too many points), cancelled, after which the outputs are filled in part.
+/// for winding numbers. Once per call the border of an open mesh is measured, where the grid has more
+/// points than an eighth of the triangles: about 25 ns and 16 bytes per triangle, on one thread. A thread
+/// takes 32^3 points at once, and some MB. Thread safe. Errors: invalid_argument (the index has no signs,
+/// a span has another size, spacing or band is not positive, a point is not finite, too many points),
+/// budget_exceeded, cancelled, after which the outputs are filled in part.
 [[nodiscard]] Status distance_field(const MeshIndex& index, const PointGrid& grid,
                                     const FieldOutputs& outputs, const FieldOptions& options = {});
 

@@ -13,7 +13,8 @@
 //
 // How: the distance from one triangle of B is a convex function. So on a part of a triangle of A it is
 // largest at a corner, which bounds the greatest distance from above, and it is nowhere below its
-// tangents, which bounds the mean from below. Parts are cut where the closest triangle of B changes [guthe-2005], so that few are needed.
+// tangents, which bounds the mean from below. Parts are cut where the closest triangle of B changes
+// [guthe-2005], so that few are needed.
 //
 // Distances are those of surfaces, without sign; signed_distance.h tells inside from outside. Each
 // function looks from A to B alone: B may have parts that no point of A is close to.
@@ -126,8 +127,8 @@ struct MeanDeviationOptions {
     static constexpr double default_tolerance = 1e-5;
     /// How many bins of equal width the histogram has, up to max_histogram_bins; 0 = no histogram.
     std::uint32_t histogram_bins = 0;
-    double histogram_end =
-        0; ///< where the last bin ends, in the meshes' unit; the first begins at 0
+    /// Where the last bin ends, in the meshes' unit; the first begins at 0.
+    double histogram_end = 0;
     /// How many cuts of A's triangles and their parts are made at most, but for this: a share of 64 is
     /// granted to each triangle, however small the limit is. Each group of neighbouring triangles may
     /// use its equal share; cuts that are not used go to the parts of large triangles that need more.

@@ -144,9 +144,9 @@ collect_nearest(const MeshIndex& index, const Vec3& p, std::span<NearTriangle> b
                 double radius = std::numeric_limits<double>::infinity()) noexcept;
 
 /// Calls visitor(triangle, squared distance) for the triangles within the radius, the nearest first and
-/// equal ones by id, until it stops: for those who know only from a triangle whether they want the next.
-/// The batch is scratch, which the visitor must leave alone: so many triangles are found by each search
-/// of the index, and each search passes again over those that were visited before. A batch for as many
+/// equal ones by id, until the visitor stops: for callers who can tell only from a triangle whether they
+/// want another one. `batch` is scratch: each search of the index finds as many triangles as it holds,
+/// and passes again over those visited before. The visitor must not touch it. A batch for as many
 /// as are usually wanted needs one search, as collect_nearest does. Nothing where p is not finite, or the
 /// radius NaN or below 0. noexcept, as the visitor must be. Thread safe. \pre the batch is not empty
 void visit_nearest(const MeshIndex& index, const Vec3& p, std::span<NearTriangle> batch,

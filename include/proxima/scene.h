@@ -6,8 +6,8 @@
 //     auto scene = build_scene(shapes, instances);
 //     if (auto hit = closest_hit(*scene, ray)) use(hit->instance, hit->hit.triangle);
 //     auto pairs = pairs_in_contact(*scene);
-//     auto next = move_instances(*scene, poses);                   // the same instances elsewhere
-//     Status moved = move_instances(*scene, some_ids, their_poses); // some of them, in place
+//     auto next = move_instances(*scene, poses);                  // the same instances elsewhere
+//     Status moved = move_in_place(*scene, some_ids, their_poses); // some of them
 //
 // An instance is named by its position in the list. Every answer is that of asking all instances one by
 // one, bit for bit:
@@ -73,8 +73,9 @@ inline constexpr double max_scene_coordinate = 0x1p500;
 struct SceneParts;
 struct SceneOptions;
 
-/// A value, cheap to copy: copies share all arrays. Thread safe as long as none is assigned to or moves some of its
-/// instances. Made by build_scene and move_instances. It keeps the indexes' storage alive.
+/// A value that is cheap to copy: copies share all arrays. Any number of threads may query it while no
+/// thread assigns to it or moves its instances in place. Made by build_scene and move_instances. It
+/// keeps the indexes' storage alive.
 class Scene {
 public:
     /// Without instances.
@@ -105,9 +106,8 @@ public:
     ~Scene() = default;
 
 private:
-    friend Status move_instances(Scene& scene, std::span<const InstanceId> ids,
-                                 std::span<const RigidTransform> poses,
-                                 const SceneOptions& options);
+    friend Status move_in_place(Scene& scene, std::span<const InstanceId> ids,
+                                std::span<const RigidTransform> poses, const SceneOptions& options);
     std::shared_ptr<const SceneParts> parts_; ///< never null
 };
 
@@ -132,17 +132,17 @@ struct SceneOptions {
                                            std::span<const RigidTransform> poses,
                                            const SceneOptions& options = {});
 
-/// Gives some instances other poses, in time proportional to their number: about 1 us each among 10,000
-/// instances, 3 us among a million. Where an instance is listed twice, its last pose counts. Answers are
+/// Gives some instances other poses, in time proportional to their number: about 0.6 us each among 10,000
+/// instances, 1 to 2 us among a million. Where an instance is listed twice, its last pose counts. Answers are
 /// those of a scene built with these poses, bit for bit. Copies of the scene stay as they were: while there
-/// is one, all arrays are copied first, so let go of old copies before. All boxes are drawn again, as by the
-/// other move_instances, where more than an eighth of the instances move, or one leaves the box that held
+/// is one, all arrays are copied first, so let go of old copies before. All boxes are drawn again, as by
+/// move_instances, where more than an eighth of the instances move, or one leaves the box that held
 /// all instances when they were last drawn. Not thread safe for this scene; other threads may use copies of
-/// it. Errors: those of the other one, and invalid_argument for an instance that is out of range. After an
-/// error the scene is as it was.
-[[nodiscard]] Status move_instances(Scene& scene, std::span<const InstanceId> ids,
-                                    std::span<const RigidTransform> poses,
-                                    const SceneOptions& options = {});
+/// it. Errors: those of move_instances, and invalid_argument for an instance that is out of range. After an
+/// error, and where memory runs out (std::bad_alloc), the scene is as it was.
+[[nodiscard]] Status move_in_place(Scene& scene, std::span<const InstanceId> ids,
+                                   std::span<const RigidTransform> poses,
+                                   const SceneOptions& options = {});
 
 /// Takes the scene's coordinates into those of an instance with this pose: pose.inverse(), as the
 /// library computes it.

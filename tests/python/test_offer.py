@@ -177,7 +177,7 @@ OFFERED = {
     "sample_meshes.h": {"sample_mesh sample_mesh_names make_cube make_icosphere make_octahedron make_spaceship make_sphere "
                         "make_torus": "Mesh.sample"},
     "scene.h": {
-        "build_scene Instance.shape Instance.pose Instance.layers": "Scene", "move_instances": "Scene.move", "Scene.shape": "Scene.shapes",
+        "build_scene Instance.shape Instance.pose Instance.layers": "Scene", "move_instances move_in_place": "Scene.move", "Scene.shape": "Scene.shapes",
         "Scene.instance": "Scene.poses", "Scene.instance_count": "Scene.instance_count", "Scene.bytes": "Scene.nbytes",
         "Scene.bounds": "Scene.bounds", "Scene.shape_count": "Scene.shape",
         "closest_hits any_hits all_hits SceneRayOptions.faces SceneRayOptions.layers": "Scene.cast", "SceneHit.instance": "SceneHits.instance",

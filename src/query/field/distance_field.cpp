@@ -1,5 +1,6 @@
 #include "proxima/distance_field.h"
 
+#include "base/memory_budget.h"
 #include "base/parallel.h"
 #include "base/progress.h"
 #include "base/text.h"
@@ -20,6 +21,14 @@ namespace proxima {
 
 namespace {
 
+/// Whether the sides of an open mesh's blocks are worth what OpenSides costs.
+bool asks_open_sides(const IndexParts& index, const PointGrid& grid) noexcept
+{
+    constexpr std::uint64_t triangles_per_point = 8;
+    return !index.signs()->arrays().is_closed() &&
+           grid.point_count() > index.triangle_count() / triangles_per_point;
+}
+
 /// Writes what searches of blocks find.
 class FieldWriter {
 public:
@@ -27,7 +36,7 @@ public:
                 const FieldOptions& options)
         : index_(index), parts_(index.parts()), grid_(grid), to_(outputs), band_(options.band)
     {
-        if (!parts_.signs()->arrays().is_closed()) open_.emplace(parts_);
+        if (asks_open_sides(parts_, grid)) open_.emplace(parts_);
     }
 
     void write(const GridAnswers& answers) const
@@ -51,12 +60,15 @@ public:
         });
     }
 
-    [[nodiscard]] bool is_open() const noexcept { return open_.has_value(); }
+    [[nodiscard]] bool has_open_sides() const noexcept { return open_.has_value(); }
 
     /// Whether a ball that the surface does not enter is inside: one point tells of a closed mesh.
+    /// Nothing where that is not known.
     [[nodiscard]] std::optional<bool> side_of(const ClearBall& ball) const
     {
-        return open_ ? open_->side_of(ball) : is_inside_by_winding(parts_, ball.middle);
+        if (open_) return open_->side_of(ball);
+        if (!parts_.signs()->arrays().is_closed()) return std::nullopt;
+        return is_inside_by_winding(parts_, ball.middle);
     }
 
     /// By single queries.
@@ -133,7 +145,7 @@ private:
     const PointGrid& grid_;
     const FieldOutputs& to_;
     double band_;
-    std::optional<OpenSides> open_; ///< where the mesh is not known to be closed
+    std::optional<OpenSides> open_;
 };
 
 /// Whether squares of the mesh's lengths, and of much smaller ones, are well within the doubles.
@@ -169,6 +181,14 @@ Status check_arguments(const MeshIndex& index, const PointGrid& grid, const Fiel
     return {};
 }
 
+Status check_field_budget(const IndexParts& index, const PointGrid& grid,
+                          const Execution& execution)
+{
+    if (!asks_open_sides(index, grid)) return {};
+    return check_budget(execution.budget, OpenSides::bytes(index), "the border of an open mesh",
+                        "raise the budget");
+}
+
 } // namespace
 
 Status distance_field(const MeshIndex& index, const PointGrid& grid, const FieldOutputs& outputs,
@@ -177,6 +197,8 @@ Status distance_field(const MeshIndex& index, const PointGrid& grid, const Field
     if (Status status = check_arguments(index, grid, outputs, options.band); !status) return status;
     if (outputs.distances.empty() && outputs.gradients.empty() && outputs.methods.empty())
         return {};
+    if (Status status = check_field_budget(index.parts(), grid, options.execution); !status)
+        return status;
     const FieldWriter writer(index, grid, outputs, options);
     std::array<std::size_t, 3> blocks{};
     for (std::size_t axis = 0; axis < 3; ++axis)
@@ -197,7 +219,7 @@ Status distance_field(const MeshIndex& index, const PointGrid& grid, const Field
                 const auto side_of = [&](const ClearBall& ball) { return writer.side_of(ball); };
                 const auto take = [&](const GridAnswers& answers) { writer.write(answers); };
                 search_grid(index.parts(), grid, block,
-                            {options.band, writer.is_open(), side_of, take});
+                            {options.band, writer.has_open_sides(), side_of, take});
             } else {
                 writer.write_one_by_one(block);
             }

@@ -1,4 +1,4 @@
-// A search of a grid on its way: parts of the grid, and what may be closest to them.
+// The state of a grid search: parts of the grid, and what may be closest to them.
 #pragma once
 
 #include "index/index_parts.h"
@@ -14,7 +14,7 @@
 
 namespace proxima {
 
-/// A search on its way: what it was asked, and memory that it uses again.
+/// The state of a grid search: what it was asked, and memory that it uses again.
 struct GridSearch {
     const IndexParts& index;
     const PointGrid& grid;
@@ -31,8 +31,9 @@ struct GridPart {
     GridBlock block;
     Box box; ///< of its points
     Vec3 middle;
-    double radius;              ///< no point is farther from the middle
-    double least;               ///< the middle is not nearer to the mesh, but for rounding
+    double radius; ///< no point is farther from the middle
+    /// A lower bound of the middle's distance; exact, but for rounding, for parts of 8 points a side and more.
+    double least;
     std::optional<bool> inside; ///< where all points are, if that is known
 };
 

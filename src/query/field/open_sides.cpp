@@ -71,6 +71,12 @@ OpenSides::OpenSides(const IndexParts& index) : index_(index)
     }
 }
 
+std::uint64_t OpenSides::bytes(const IndexParts& index) noexcept
+{
+    return sizeof(std::int32_t) * std::uint64_t{index.edge_count()} +
+           sizeof(double) * (index.ids().size() + index.signs()->arrays().winding.clusters.size());
+}
+
 std::optional<bool> OpenSides::side_of(const ClearBall& ball) const noexcept
 {
     const WindingClusters& winding = index_.signs()->arrays().winding;

@@ -9,6 +9,7 @@
 #include "index/index_parts.h"
 #include "query/field/search_grid.h"
 
+#include <cstdint>
 #include <optional>
 #include <vector>
 
@@ -19,6 +20,9 @@ class PROXIMA_HIDDEN OpenSides {
 public:
     /// O(triangles). \pre the index has signs
     explicit OpenSides(const IndexParts& index);
+
+    /// Bytes that it takes while it is made.
+    [[nodiscard]] static std::uint64_t bytes(const IndexParts& index) noexcept;
 
     /// Whether all of a ball is inside: then is_inside_by_winding says the same at all of its points.
     /// Nothing in doubt. No allocation, thread safe.

@@ -28,8 +28,8 @@ constexpr std::uint32_t block_of(std::uint32_t reference) noexcept
 /// Draws the boxes of a scene's blocks.
 class TreeBoxes {
 public:
-    explicit TreeBoxes(SceneParts& scene) noexcept
-        : scene_(scene), frame_{scene.tree.parts().center(), scene.tree.parts().scale()},
+    TreeBoxes(SceneParts& scene, const IndexFrame& frame) noexcept
+        : scene_(scene), frame_(frame),
           // One of the tree's units is at most the extent.
           margin_(Vec3::Constant(scene_tree_margin * scene.all.extent().maxCoeff()))
     {}
@@ -82,17 +82,18 @@ private:
     Vec3 margin_;
 };
 
-/// Draws all boxes, from the leaves up.
+/// Copies blocks and draws their boxes, from the leaves up.
 class TreeWriter {
 public:
-    /// \pre the scene has the order's blocks
-    TreeWriter(SceneParts& scene, std::uint32_t root) noexcept
-        : scene_(scene), boxes_(scene), root_(root)
+    /// \pre the scene has as many blocks as the order
+    TreeWriter(SceneParts& scene, const IndexParts& order, const IndexFrame& frame) noexcept
+        : scene_(scene), boxes_(scene, frame), order_(order.blocks()), root_(order.root())
     {}
 
     /// False where it was cancelled.
     [[nodiscard]] bool write(const Execution& execution)
     {
+        scene_.blocks[0] = order_[0]; // the empty leaf that nodes without all children refer to
         // The top of the tree, breadth first, until there are enough subtrees for all threads.
         constexpr std::size_t enough = 512;
         std::vector<std::uint32_t> top = {root_};
@@ -114,7 +115,7 @@ private:
     template <class Visit>
     void for_each_child(std::uint32_t block, const Visit& visit) const
     {
-        const IndexNode& node = scene_.blocks[block].node;
+        const IndexNode& node = order_[block].node;
         for (std::size_t slot = 0; slot < 8; ++slot)
             if (node.has_child(slot)) visit(node.children[slot]);
     }
@@ -130,6 +131,7 @@ private:
     void write_block(std::uint32_t reference) noexcept
     {
         const std::uint32_t block = block_of(reference);
+        scene_.blocks[block] = order_[block];
         if (!is_leaf(reference)) {
             scene_.boxes[block].box = boxes_.write_node(block);
             for_each_child(
@@ -144,30 +146,29 @@ private:
 
     SceneParts& scene_;
     TreeBoxes boxes_;
+    std::span<const IndexBlock> order_;
     std::uint32_t root_;
 };
 
-/// Gives the scene a copy of the order's blocks, in this frame.
-void set_tree(SceneParts& scene, const IndexParts& order, const IndexFrame& frame)
+/// Gives the scene memory for a tree in the order of another one, in this frame. The tree's arrays.
+IndexArrays make_tree_memory(SceneParts& scene, const IndexParts& order, const IndexFrame& frame)
 {
     const auto storage = std::make_shared<IndexStorage>();
     scene.blocks = storage->make_blocks(order.blocks().size());
-    std::ranges::copy(order.blocks(), scene.blocks.begin());
     storage->ids.assign(order.ids().begin(), order.ids().end());
+    scene.storage = storage;
     IndexArrays arrays;
     arrays.center = frame.center;
     arrays.scale = frame.scale;
     arrays.root = order.root();
     arrays.blocks = storage->blocks;
     arrays.ids = storage->ids;
-    scene.tree = make_mesh_index(IndexParts::adopt(arrays, storage));
-    scene.storage = storage;
+    return arrays;
 }
 
-/// Lets the tree know of the root's box, which was written.
-void set_root_box(SceneParts& scene)
+IndexFrame frame_of(const IndexParts& tree) noexcept
 {
-    scene.tree = make_mesh_index(IndexParts::adopt(scene.tree.parts().arrays(), scene.storage));
+    return {tree.center(), tree.scale()};
 }
 
 } // namespace
@@ -176,16 +177,18 @@ bool draw_tree(SceneParts& scene, const IndexParts& order, const Execution& exec
 {
     const double margin = scene_tree_margin * scene.all.extent().maxCoeff();
     const Vec3 out = Vec3::Constant(margin);
-    set_tree(scene, order, index_frame({scene.all.lower - out, scene.all.upper + out}, false));
+    const IndexFrame frame = index_frame({scene.all.lower - out, scene.all.upper + out}, false);
+    const IndexArrays arrays = make_tree_memory(scene, order, frame);
     scene.boxes.assign(scene.blocks.size(), {});
-    if (!TreeWriter(scene, order.root()).write(execution)) return false;
-    set_root_box(scene);
+    if (!TreeWriter(scene, order, frame).write(execution)) return false;
+    scene.tree = make_mesh_index(IndexParts::adopt(arrays, scene.storage));
     return true;
 }
 
-void redraw_tree(SceneParts& scene, std::span<const std::uint32_t> rows)
+void redraw_tree(SceneParts& scene, std::span<const std::uint32_t> rows,
+                 std::shared_ptr<IndexParts> tree) noexcept
 {
-    const TreeBoxes boxes(scene);
+    const TreeBoxes boxes(scene, frame_of(scene.tree.parts()));
     for (const std::uint32_t row : rows) {
         std::uint32_t block = scene.rows[row].leaf;
         FloatBox box = boxes.about_leaf(block);
@@ -198,7 +201,9 @@ void redraw_tree(SceneParts& scene, std::span<const std::uint32_t> rows)
             box = boxes.write_node(block);
         }
     }
-    set_root_box(scene);
+    // The root's box is read again.
+    *tree = IndexParts::adopt(scene.tree.parts().arrays(), scene.storage);
+    scene.tree = MeshIndex(std::move(tree));
 }
 
 SceneParts copy_of(const SceneParts& scene)
@@ -206,7 +211,9 @@ SceneParts copy_of(const SceneParts& scene)
     SceneParts copy = scene;
     if (scene.tree_rows() == 0) return copy;
     const IndexParts& tree = scene.tree.parts();
-    set_tree(copy, tree, {tree.center(), tree.scale()});
+    const IndexArrays arrays = make_tree_memory(copy, tree, frame_of(tree));
+    std::ranges::copy(tree.blocks(), copy.blocks.begin());
+    copy.tree = make_mesh_index(IndexParts::adopt(arrays, copy.storage));
     return copy;
 }
 

@@ -7,6 +7,7 @@
 #include "query/scene/scene_parts.h"
 
 #include <cstdint>
+#include <memory>
 #include <span>
 
 namespace proxima {
@@ -19,8 +20,10 @@ namespace proxima {
                              const Execution& execution);
 
 /// Draws boxes again about rows that moved: the tree is as draw_tree makes it in this frame. O(rows and the blocks
-/// above them). \pre the scene's parts are no one else's, they have a tree, scene.all holds the rows' boxes
-void redraw_tree(SceneParts& scene, std::span<const std::uint32_t> rows);
+/// above them). `tree` is memory that becomes the tree's: nothing is allocated. \pre the scene's parts are no one
+/// else's, they have a tree, scene.all holds the rows' boxes, `tree` is no one else's and not null
+void redraw_tree(SceneParts& scene, std::span<const std::uint32_t> rows,
+                 std::shared_ptr<IndexParts> tree) noexcept;
 
 /// The same scene with a tree of its own.
 [[nodiscard]] SceneParts copy_of(const SceneParts& scene);

@@ -6,6 +6,7 @@
 #include "proxima/sample_meshes.h"
 #include "proxima/topology.h"
 #include "query/closest/signed_mesh.h"
+#include "query/field/cut_meshes.h"
 
 #include <cmath>
 #include <filesystem>
@@ -146,17 +147,6 @@ TEST(DistanceField, HasThemOnBrokenMeshesAndGridsOfAnyShape)
                           {.origin = Vec3(-100, -90, -80), .spacing = 13, .size = {17, 16, 15}});
 }
 
-/// Without the triangles whose middle is beyond the plane z = `height`.
-TriangleMesh cut_off(const TriangleMesh& mesh, double height)
-{
-    std::vector<TriangleCorners> kept;
-    for (std::uint32_t id = 0; id < mesh.triangle_count(); ++id) {
-        const Triangle t = mesh.triangle(TriangleId{id});
-        if (t[0].z() + t[1].z() + t[2].z() < 3 * height) kept.push_back(mesh.triangles()[id]);
-    }
-    return mesh_of({mesh.positions().begin(), mesh.positions().end()}, kept);
-}
-
 /// Each triangle with vertices of its own: all edges are border.
 TriangleMesh unjoined(const TriangleMesh& mesh)
 {
@@ -193,6 +183,7 @@ TEST(DistanceField, HasThemOnOpenMeshes)
         const Signed of(named.mesh);
         ASSERT_FALSE(of.arrays().is_closed());
         expect_single_answers(of, grid_of(of.mesh, 24));
+        expect_single_answers(of, grid_of(of.mesh, 3)); // too few points to measure the border
         const Box box = bounding_box(of.mesh);
         // Far finer than the triangles, across the border.
         const Vec3 corner(box.center().x(), box.center().y(), box.upper.z() - 0.1);
@@ -290,6 +281,23 @@ TEST(DistanceField, IsTheSameForAnyNumberOfThreadsAndCanBeCancelled)
     const Status stopped = many.fill(of.index, {.execution = {.progress = &progress}});
     ASSERT_FALSE(stopped);
     EXPECT_EQ(stopped.error().code, ErrorCode::cancelled);
+}
+
+TEST(DistanceField, CountsTheMemoryOfTheBorderOfAnOpenMesh)
+{
+    const Signed open(cut_off(sample_mesh("icosphere:4").value(), 0));
+    const Signed closed(sample_mesh("icosphere:4").value());
+    const auto fill = [](const Signed& of, std::uint32_t resolution, std::uint64_t bytes) {
+        return Field(grid_of(of.mesh, resolution))
+            .fill(of.index, {.execution = {.budget = {.bytes = bytes}}});
+    };
+    const std::uint64_t needed = 16 * std::uint64_t{open.mesh.triangle_count()};
+    EXPECT_TRUE(fill(open, 16, needed));
+    EXPECT_TRUE(fill(open, 3, needed / 2)) << "too few points to measure the border";
+    EXPECT_TRUE(fill(closed, 16, needed / 2));
+    const Status refused = fill(open, 16, needed / 2);
+    ASSERT_FALSE(refused);
+    EXPECT_EQ(refused.error().code, ErrorCode::budget_exceeded);
 }
 
 TEST(DistanceField, RefusesBadArguments)

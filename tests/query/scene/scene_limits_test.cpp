@@ -41,36 +41,6 @@ TEST(Scene, QueriesDoNotAllocate)
     EXPECT_GT(found, 1500U);
 }
 
-TEST(Scene, IsAsItWasAfterAMoveThatWasRefused)
-{
-    const RandomScene of = many_instances(100, 3);
-    Scene scene = build_scene(of.shapes, of.instances).value();
-    const RigidTransform good = of.instances[7].pose;
-    RigidTransform bent = good;
-    bent.rotation(0, 0) += 1;
-    RigidTransform far = good;
-    far.translation.x() = 1e200;
-    const auto refused = [&](const std::vector<InstanceId>& ids,
-                             const std::vector<RigidTransform>& poses, const std::string& words) {
-        const Status status = move_instances(scene, ids, poses);
-        ASSERT_FALSE(status) << words;
-        EXPECT_EQ(status.error().code, ErrorCode::invalid_argument);
-        EXPECT_NE(describe(status.error()).find(words), std::string::npos)
-            << describe(status.error());
-    };
-    refused({id_of(1), id_of(2)}, {good}, "a list of 1 poses, but 2 instances");
-    refused({id_of(1), id_of(100)}, {good, good}, "instance 100");
-    refused({id_of(1), id_of(2)}, {good, bent}, "instance 2");
-    refused({id_of(1), id_of(3)}, {good, far}, "instance 3");
-    const std::vector<InstanceId> half(50, id_of(4));
-    refused(half, std::vector<RigidTransform>(50, bent), "instance 4");
-    for (std::size_t i = 0; i < of.instances.size(); ++i)
-        EXPECT_EQ(scene.instance(id_of(i)).pose.translation, of.instances[i].pose.translation);
-    EXPECT_TRUE(move_instances(scene, {}, std::span<const RigidTransform>()));
-    Scene none;
-    EXPECT_TRUE(move_instances(none, {}, std::span<const RigidTransform>()));
-}
-
 TEST(Scene, VisitorsEndASearch)
 {
     const MeshIndex cube = build_mesh_index(cube_mesh(Vec3::Zero(), 1)).value();

@@ -191,7 +191,7 @@ TEST(Scene, AnswersAlikeAfterSomeInstancesMovedAndItsCopiesDidNot)
                 ids.push_back(id_of(id));
                 poses.push_back(pose);
             }
-            const Status moved = move_instances(scene, ids, poses);
+            const Status moved = move_in_place(scene, ids, poses);
             ASSERT_TRUE(moved) << describe(moved.error());
             expect_truth(of, scene, random, 20, found);
             if (copy) expect_truth(old, *copy, random, 5, found);

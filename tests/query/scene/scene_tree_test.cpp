@@ -150,7 +150,7 @@ TEST(SceneTree, IsRedrawnAboveInstancesThatMoveAlone)
                 poses.push_back(instance.pose);
             }
             const SceneParts* const before = &scene.parts();
-            ASSERT_TRUE(move_instances(scene, ids, poses));
+            ASSERT_TRUE(move_in_place(scene, ids, poses));
             in_place += before == &scene.parts() ? 1 : 0;
             for (std::size_t i = 0; i < of.instances.size(); ++i) {
                 const RigidTransform& pose = scene.instance(id_of(i)).pose;
