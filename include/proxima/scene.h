@@ -137,7 +137,7 @@ struct SceneOptions {
 /// those of a scene built with these poses, bit for bit. Copies of the scene stay as they were: while there
 /// is one, all arrays are copied first, so let go of old copies before. All boxes are drawn again, as by
 /// move_instances, where more than an eighth of the instances move, or one leaves the box that held
-/// all instances when they were last drawn. Not thread safe for this scene; other threads may use copies of
+/// all instances when they were last drawn, or all had come to need less than half of that box. Not thread safe for this scene; other threads may use copies of
 /// it. Errors: those of move_instances, and invalid_argument for an instance that is out of range. After an
 /// error, and where memory runs out (std::bad_alloc), the scene is as it was.
 [[nodiscard]] Status move_in_place(Scene& scene, std::span<const InstanceId> ids,

@@ -1,5 +1,6 @@
 #include "base/progress.h"
 #include "base/text.h"
+#include "index/index_parts.h"
 #include "proxima/scene.h"
 #include "query/scene/place_instances.h"
 #include "query/scene/scene_parts.h"
@@ -41,7 +42,7 @@ struct MovedInstances {
 struct MovedBoxes {
     std::vector<Box> boxes;          ///< by moved instance; empty for those of empty indexes
     std::vector<std::uint32_t> rows; ///< of the others
-    /// Whether the tree can stay as it is but for boxes. Where not, boxes and rows are incomplete.
+    /// Whether the tree can stay as it is but for boxes.
     bool are_within = true;
 };
 
@@ -62,14 +63,26 @@ Status check_moved(const SceneParts& parts, const MovedInstances& moved)
     return {};
 }
 
+/// Whether the instances take less than half of the box that the tree's frame is about, as when one came
+/// back from far away: boxes are coarse then.
+bool has_shrunk(const SceneParts& parts) noexcept
+{
+    if (parts.tree_rows() == 0) return false;
+    const IndexParts& tree = parts.tree.parts();
+    const FloatBox& root = parts.boxes[tree.root() & ~index_leaf_bit].box;
+    double extent = 0;
+    for (std::size_t axis = 0; axis < 3; ++axis)
+        extent = std::max(extent, double{root.upper[axis]} - double{root.lower[axis]});
+    return extent < 0.5 * parts.all.extent().maxCoeff() * tree.scale();
+}
+
 Result<MovedBoxes> place_moved(const SceneParts& parts, const MovedInstances& moved)
 {
     MovedBoxes to;
-    to.are_within = moved.ids.size() <= parts.rows.size() / most_moved_share;
-    if (!to.are_within) return to;
+    to.are_within = moved.ids.size() <= parts.rows.size() / most_moved_share && !has_shrunk(parts);
     to.boxes.resize(moved.ids.size());
     to.rows.reserve(moved.ids.size());
-    for (std::size_t i = 0; i < moved.ids.size() && to.are_within; ++i) {
+    for (std::size_t i = 0; i < moved.ids.size(); ++i) {
         const std::uint32_t at = (*parts.row_of)[to_index(moved.ids[i])];
         const SceneRow& row = parts.rows[at];
         Box& box = to.boxes[i];
@@ -78,7 +91,7 @@ Result<MovedBoxes> place_moved(const SceneParts& parts, const MovedInstances& mo
         if (problem != nullptr)
             return fail(ErrorCode::invalid_argument, problem, concat("instance ", row.instance));
         if (box.empty()) continue;
-        to.are_within = (box.lower.array() >= parts.all.lower.array()).all() &&
+        to.are_within = to.are_within && (box.lower.array() >= parts.all.lower.array()).all() &&
                         (box.upper.array() <= parts.all.upper.array()).all();
         to.rows.push_back(at);
     }

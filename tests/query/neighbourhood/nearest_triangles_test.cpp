@@ -44,7 +44,7 @@ TEST(NearestTriangles, AreTheFirstOfAllByDistanceAndId)
             EXPECT_EQ(found.complete, count >= all.size());
             EXPECT_TRUE(std::equal(all.begin(), all.begin() + static_cast<long>(found.written),
                                    some.begin()));
-            if (count < all.size())
+            if (0 < count && count < all.size())
                 ties += all[count - 1].squared_distance == all[count].squared_distance ? 1 : 0;
             // With a radius.
             const Neighbourhood within = collect_nearest(index, ball.p, some, ball.radius);

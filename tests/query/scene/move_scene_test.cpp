@@ -34,6 +34,15 @@ TEST(Scene, IsAsItWasAfterAMoveThatWasRefused)
     refused({id_of(1), id_of(100)}, {good, good}, "instance 100");
     refused({id_of(1), id_of(2)}, {good, bent}, "instance 2");
     refused({id_of(1), id_of(3)}, {good, far}, "instance 3");
+    refused({id_of(1), id_of(1)}, {bent, good}, "instance 1"); // though the last pose counts
+    refused(
+        std::vector<InstanceId>(20, id_of(2)), // and all boxes are drawn again
+        [&] {
+            std::vector<RigidTransform> poses(20, good);
+            poses.front() = bent;
+            return poses;
+        }(),
+        "instance 2");
     const std::vector<InstanceId> half(50, id_of(4));
     refused(half, std::vector<RigidTransform>(50, bent), "instance 4");
     for (std::size_t i = 0; i < of.instances.size(); ++i)

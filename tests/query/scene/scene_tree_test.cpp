@@ -165,5 +165,23 @@ TEST(SceneTree, IsRedrawnAboveInstancesThatMoveAlone)
     EXPECT_GT(in_place, 150U);
 }
 
+TEST(SceneTree, HasAFrameOfItsInstancesAgainAfterOneWasFarAway)
+{
+    SceneGenerator random(5);
+    const RandomScene of = random(300);
+    Scene scene = build_scene(of.shapes, of.instances).value();
+    const double scale = scene.parts().tree.parts().scale();
+    const std::vector<InstanceId> one = {id_of(7)};
+    const std::vector<InstanceId> other = {id_of(8)};
+    RigidTransform away = of.instances[7].pose;
+    away.translation.x() += 1e6 * of.size;
+    ASSERT_TRUE(move_in_place(scene, one, std::span(&away, 1)));
+    EXPECT_LT(scene.parts().tree.parts().scale(), 1e-3 * scale);
+    ASSERT_TRUE(move_in_place(scene, one, std::span(&of.instances[7].pose, 1)));
+    ASSERT_TRUE(move_in_place(scene, other, std::span(&of.instances[8].pose, 1)));
+    EXPECT_GE(scene.parts().tree.parts().scale(), 0.5 * scale);
+    expect_tight_boxes(scene);
+}
+
 } // namespace
 } // namespace proxima::scene_tree_test
