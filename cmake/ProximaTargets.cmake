@@ -26,6 +26,8 @@ if(CMAKE_SYSTEM_PROCESSOR STREQUAL "aarch64")
   # Highway's NEON includes the instructions for AES, and g++ gives only some of a kernel's functions what it asks for. No
   # code of ours uses them, so processors without AES are served, too.
   target_compile_options(proxima_developer_options INTERFACE -march=armv8-a+crypto)
+  # Eigen fuses multiplications and additions where it sees this, and answers of contacts then have other bits than on x86.
+  target_compile_options(proxima_developer_options INTERFACE -U__ARM_FEATURE_FMA)
 endif()
 if(PROXIMA_SANITIZE)
   target_compile_options(proxima_developer_options INTERFACE
