@@ -8,8 +8,8 @@
 
 namespace proxima {
 
-/// The same bits on every processor and wherever the vector lies in memory, which Eigen's
-/// stableNorm() does not promise. Infinite or NaN where a coordinate is.
+/// The length has the same bits on every processor, and at every address of the vector. Eigen's
+/// stableNorm() does not promise that. It is infinite or NaN where a coordinate is.
 [[nodiscard]] inline double length_of(const Vec3& v) noexcept
 {
     const auto squared = [](double x, double y, double z) { return (x * x + y * y) + z * z; };

@@ -137,7 +137,7 @@ struct IndexQuery {
         return std::sqrt(squared + foot_error_squared(distance, leaf_extent)) +
                error_of(distance, leaf_extent) * (1 + 0x1p-10F);
     }
-    /// The same rounded down, whatever the triangle's shape.
+    /// A lower bound of the distance, whatever the triangle's shape.
     [[nodiscard]] float least_distance(float squared, float leaf_extent) const noexcept
     {
         const float distance = std::sqrt(squared);

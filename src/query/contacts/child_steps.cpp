@@ -327,7 +327,7 @@ private:
 void child_steps(const MotionBounds& bounds, const OpenedBlocks& opened, ChildSteps& steps)
 {
     SharedAlongs shared(bounds, opened.frame);
-    // What is read where no node is opened is not used.
+    // Where no node is opened, this empty one is read, and what comes of it is not used.
     const IndexNode none = {};
     const IndexNode& node = opened.node != nullptr ? *opened.node : none;
     const ChildBoxes boxes(node, 1);

@@ -92,7 +92,7 @@ public:
         : index_(index), squared_(squared)
     {}
 
-    /// Of the pieces' middles, together.
+    /// Finds the triangles nearest to the middles of eight pieces at once.
     [[nodiscard]] HWY_NOINLINE std::array<Nearest, 8> nearest_to(std::span<const GridPart> pieces,
                                                                  const TriangleLanes& all) const
     {

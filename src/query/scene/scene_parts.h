@@ -67,7 +67,7 @@ struct alignas(64) SceneRow {
 };
 static_assert(sizeof(SceneRow) == 64);
 
-/// Of a block of the tree.
+/// What is kept of a block of the tree, so that it can be drawn again alone.
 struct SceneBlock {
     FloatBox box;             ///< of all rows below, in the tree's units
     std::uint32_t parent = 0; ///< 0 for the root's

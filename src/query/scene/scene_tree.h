@@ -25,7 +25,7 @@ namespace proxima {
 void redraw_tree(SceneParts& scene, std::span<const std::uint32_t> rows,
                  std::shared_ptr<IndexParts> tree) noexcept;
 
-/// The same scene with a tree of its own.
+/// A copy of a scene that shares its shapes, but not its tree.
 [[nodiscard]] SceneParts copy_of(const SceneParts& scene);
 
 } // namespace proxima
