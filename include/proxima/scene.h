@@ -112,8 +112,9 @@ private:
 };
 
 struct SceneOptions {
-    Execution execution =
-        {}; ///< budget: arrays and scratch, 700 bytes per instance, 2.5 KB per shape
+    /// Stages "placing instances", steps are instances, and "drawing boxes". Budget: arrays and scratch,
+    /// 700 bytes per instance, 2.5 KB per shape.
+    Execution execution = {};
 };
 
 /// Results have the same bits for any number of threads. About 0.6 us per instance of 10,000 on one thread, and 5 ns

@@ -16,14 +16,27 @@ std::string shape_text(const py::array& array)
     return py::str(array.attr("shape")).cast<std::string>();
 }
 
-/// Whether it is a numpy.ma.MaskedArray. There is none unless numpy.ma has been imported.
+/// No array that the module takes has more dimensions.
+constexpr int most_dimensions = 3;
+
+/// Whether it is of this type, or a list or tuple that has one.
+bool has_one(const py::handle& object, const py::handle& type, int depth)
+{
+    if (py::isinstance<py::array>(object)) return py::isinstance(object, type);
+    if (depth == 0 || (PyList_Check(object.ptr()) == 0 && PyTuple_Check(object.ptr()) == 0))
+        return false;
+    const auto row = py::reinterpret_borrow<py::sequence>(object);
+    return std::any_of(row.begin(), row.end(),
+                       [&](const py::handle& part) { return has_one(part, type, depth - 1); });
+}
+
+/// Whether it is or has a numpy.ma.MaskedArray. There is none unless numpy.ma has been imported.
 bool has_mask(const py::handle& object)
 {
-    if (!py::isinstance<py::array>(object)) return false;
     const py::str name("numpy.ma");
     const auto masked = py::reinterpret_steal<py::object>(PyImport_GetModule(name.ptr()));
     if (!masked && PyErr_Occurred() != nullptr) throw py::error_already_set();
-    return masked && py::isinstance(object, masked.attr("MaskedArray"));
+    return masked && has_one(object, masked.attr("MaskedArray"), most_dimensions);
 }
 
 /// What NumPy makes of an object; nothing where it says that this is no array. Refuses masks.

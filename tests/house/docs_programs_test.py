@@ -1,6 +1,9 @@
 """The programs of the manual that are no examples: those in C and Python run, those in C++ compile."""
 import ctypes
+import os
 import re
+import shlex
+import shutil
 import subprocess
 import sys
 import tempfile
@@ -50,6 +53,41 @@ class Programs(unittest.TestCase):
                             f"void in_a_scene({IN_A_SCENE}) {{", programs("haptic_scenes.md", "cpp"), "}"])
         self.run_in(ROOT, COMPILER, "-std=c++20", "-fsyntax-only", "-x", "c++", *(f"-I{folder}" for folder in INCLUDES.split(":") if folder),
                     f"-I{ROOT}/src", "-", input=source)
+
+    def test_a_kernel(self):
+        kernel, shared = re.findall(r"^```cpp\n(.*?)```", (ROOT / "docs/kernels.md").read_text(), re.DOTALL | re.MULTILINE)
+        with tempfile.TemporaryDirectory() as folder:
+            Path(folder, "x-inl.h").write_text(shared.replace("// what several kernels share", "inline void step() {}"))
+            Path(folder, "largest.cpp").write_text(kernel.replace("#include <hwy/highway.h>\n", '#include <hwy/highway.h>\n#include "x-inl.h"\n', 1)
+                                                   .replace("    namespace hn", "    step();\n    namespace hn", 1))
+            Path(folder, "main.cpp").write_text("""#include <cstddef>
+                namespace proxima { double largest(const double*, std::size_t); }
+                int main()
+                {
+                    double numbers[24] = {};
+                    for (int i = 0; i < 24; ++i) {
+                        numbers[i] = 5;
+                        if (proxima::largest(numbers, 24) != 5) return 1;
+                        numbers[i] = -1;
+                    }
+                }""")
+            self.run_in(folder, COMPILER, "-std=c++20", "-O1", "-Wall", "-Werror", f"-I{folder}", "largest.cpp", "main.cpp", "-lhwy")
+            self.run_in(folder, "./a.out")
+
+    def test_several_processes(self):
+        program = LIBRARY.parents[2] / "apps/distributed/proxima-mpi"
+        commands = [line for block in re.findall(r"^```sh\n(.*?)```", (ROOT / "docs/distributed.md").read_text(), re.DOTALL | re.MULTILINE)
+                    for line in block.splitlines()]
+        self.assertEqual(len(commands), 2)
+        if not program.exists() or not shutil.which("mpirun"):
+            self.skipTest("proxima-mpi was not built")
+        for command in commands:
+            words = shlex.split(command)
+            self.assertEqual([words[0], Path(words[3]).name], ["mpirun", "proxima-mpi"])
+            words[3] = program
+            self.run_in(ROOT, *words, env={
+                **os.environ, "OMPI_ALLOW_RUN_AS_ROOT": "1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1",
+                "OMPI_MCA_rmaps_base_oversubscribe": "1", "OMPI_MCA_btl_vader_single_copy_mechanism": "none"})
 
 
 if __name__ == "__main__":

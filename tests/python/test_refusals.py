@@ -214,6 +214,8 @@ def test_any_column_is_answered_or_refused(table, name, argument):
     ("Polyhedron.box", "upper", [0, 0, np.nan], "lower: must be at most upper along each axis, and no NaN"),
     ("Mesh.of_segments", "segments", [[0, 9]], "segment 0 uses point 9: there are only 5 points"), ("Mesh", "faces", [[0, 1, 99]], "triangle 0 uses vertex 99: there are only 42 vertices"),
     ("Index.contains", "points", np.ma.array(POINTS, mask=POINTS > 0), "points: must have no mask"),
+    ("Index.contains", "points", [np.ma.array(row, mask=row > 0) for row in POINTS], "points: must have no mask"),
+    ("Index.contains", "points", [[0.0, np.ma.masked, 1.0]], "points: must have no mask"),
     ("Index.contains", "points", SubclassOfMasked(POINTS, mask=POINTS > 0), "points: must have no mask"),
     ("Mesh.part", "triangles", np.ma.array([0, 1], mask=[0, 1]), "triangles: must have no mask"),
     ("Mesh.part", "triangles", np.array([2**64 - 1], "u8"), "triangles: has a number of 2.63 or more"), ("Mesh.sample", "name", "a\0b", "a\0b"),

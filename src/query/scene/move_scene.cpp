@@ -76,13 +76,16 @@ bool has_shrunk(const SceneParts& parts) noexcept
     return extent < 0.5 * parts.all.extent().maxCoeff() * tree.scale();
 }
 
-Result<MovedBoxes> place_moved(const SceneParts& parts, const MovedInstances& moved)
+Result<MovedBoxes> place_moved(const SceneParts& parts, const MovedInstances& moved,
+                               Progress* progress)
 {
+    StageSteps steps(progress, "placing instances", moved.ids.size(), 1024);
     MovedBoxes to;
     to.are_within = moved.ids.size() <= parts.rows.size() / most_moved_share && !has_shrunk(parts);
     to.boxes.resize(moved.ids.size());
     to.rows.reserve(moved.ids.size());
     for (std::size_t i = 0; i < moved.ids.size(); ++i) {
+        if (!steps.done(1)) return cancelled("placing instances");
         const std::uint32_t at = (*parts.row_of)[to_index(moved.ids[i])];
         const SceneRow& row = parts.rows[at];
         Box& box = to.boxes[i];
@@ -95,6 +98,7 @@ Result<MovedBoxes> place_moved(const SceneParts& parts, const MovedInstances& mo
                         (box.upper.array() <= parts.all.upper.array()).all();
         to.rows.push_back(at);
     }
+    if (is_cancelled(progress)) return cancelled("placing instances");
     return to;
 }
 
@@ -192,7 +196,7 @@ Status move_in_place(Scene& scene, std::span<const InstanceId> ids,
     const MovedInstances moved{ids, poses};
     if (Status status = check_moved(scene.parts(), moved); !status) return status;
     if (ids.empty()) return {};
-    const Result<MovedBoxes> to = place_moved(scene.parts(), moved);
+    const Result<MovedBoxes> to = place_moved(scene.parts(), moved, options.execution.progress);
     if (!to) return tl::unexpected(to.error());
     if (!to->are_within) {
         const Result<Scene> next = move_anew(scene, moved, options);

@@ -52,6 +52,35 @@ TEST(Scene, IsAsItWasAfterAMoveThatWasRefused)
     EXPECT_TRUE(move_in_place(none, {}, std::span<const RigidTransform>()));
 }
 
+TEST(Scene, IsAsItWasAfterAMoveThatWasStopped)
+{
+    // Enough instances that a move of some in place reports more than once.
+    const RandomScene of = many_instances(20000, 8);
+    Scene scene = build_scene(of.shapes, of.instances).value();
+    std::vector<InstanceId> ids;
+    std::vector<RigidTransform> poses;
+    for (std::size_t i = 0; i < 2000; ++i) {
+        ids.push_back(id_of(i));
+        poses.push_back(of.instances[i + 1].pose);
+    }
+    for (const std::uint64_t reports : {0, 1, 2}) { // before the move, at its beginning, amid it
+        Progress progress;
+        if (reports == 0)
+            progress.cancel();
+        else
+            progress.cancel_after(reports);
+        const Status status =
+            move_in_place(scene, ids, poses, {.execution = {.progress = &progress}});
+        ASSERT_FALSE(status) << reports;
+        EXPECT_EQ(status.error().code, ErrorCode::cancelled);
+        for (std::size_t i = 0; i < of.instances.size(); ++i)
+            ASSERT_EQ(scene.instance(id_of(i)).pose.translation, of.instances[i].pose.translation);
+    }
+    Progress watched;
+    ASSERT_TRUE(move_in_place(scene, ids, poses, {.execution = {.progress = &watched}}));
+    EXPECT_STREQ(watched.stage(), "placing instances"); // in place: no box was drawn again
+}
+
 /// What a scene says of rays and points, and of its instances.
 struct Answers {
     std::vector<std::optional<SceneHit>> hits;
