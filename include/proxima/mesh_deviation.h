@@ -14,7 +14,8 @@
 // How: the distance from one triangle of B is a convex function. So on a part of a triangle of A it is
 // largest at a corner, which bounds the greatest distance from above, and it is nowhere below its
 // tangents, which bounds the mean from below. Parts are cut where the closest triangle of B changes
-// [guthe-2005], so that few are needed.
+// [guthe-2005], so that few are needed. For the greatest distance, a triangle of A is first covered
+// with neighbouring triangles of B: where B lies along A, that bound is about the true one.
 //
 // Distances are those of surfaces, without sign; signed_distance.h tells inside from outside. Each
 // function looks from A to B alone: B may have parts that no point of A is close to.
@@ -67,7 +68,9 @@ struct GreatestDeviation {
     /// spacing of one of the places. False where there are more places than max_places, or where
     /// max_splits ended the search for them. Where the distance is 0, it is true: no place is missing.
     bool has_all_places = false;
-    std::uint64_t splits = 0; ///< how many cuts were made of A's triangles and their parts
+    /// How many cuts were made of A's triangles and their parts, but for those that cover them with
+    /// triangles of B: about none where B lies along A.
+    std::uint64_t splits = 0;
     bool is_complete = false; ///< whether distance.upper - distance.lower is within the tolerance
 };
 
@@ -99,9 +102,11 @@ inline constexpr std::uint32_t max_deviation_places = 256;
 /// 2^-38 times the largest coordinate if that is more. They may be farther apart where max_splits or the
 /// budget ended the search: is_complete tells. Where several points of A are equally far, point_a is
 /// one of them; options.max_places asks for all. The same bits for any number of threads. Cost: one
-/// closest feature per vertex of A, and some ten microseconds per triangle of A whose distance is about
-/// the largest. Thread safe. Errors: invalid_mesh (a mesh is empty), invalid_argument (a tolerance or
-/// spacing below 0 or NaN, too many places), budget_exceeded, cancelled.
+/// closest feature per vertex of A, about two microseconds per triangle of A that B lies along, more
+/// where its triangles are smaller, and some tens of microseconds per triangle that B does not lie along
+/// and whose distance is about the largest. Thread safe. Errors: invalid_mesh (a mesh is empty),
+/// invalid_argument (a tolerance or spacing below 0 or NaN, too many places), budget_exceeded,
+/// cancelled.
 [[nodiscard]] Result<GreatestDeviation>
 greatest_deviation(const MeshIndex& a, const MeshIndex& b,
                    const GreatestDeviationOptions& options = {});

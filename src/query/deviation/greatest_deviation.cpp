@@ -6,6 +6,7 @@
 #include "query/deviation/far_places.h"
 #include "query/deviation/measured_part.h"
 #include "query/deviation/part_search.h"
+#include "query/deviation/row_cover.h"
 #include "query/deviation/surface_pair.h"
 
 #include <algorithm>
@@ -20,7 +21,7 @@ class GreatestSearch {
 public:
     GreatestSearch(const SurfacePair& pair, const MeasuredVertices& vertices,
                    const GreatestDeviationOptions& options, double tolerance)
-        : pair_(pair), vertices_(vertices), options_(options),
+        : pair_(pair), vertices_(vertices), options_(options), neighbors_(pair.b()),
           tolerance_(std::max(tolerance - 2 * most_rounding(pair), 2 * most_rounding(pair)))
     {}
 
@@ -28,6 +29,9 @@ public:
     {
         Progress* const progress = options_.execution.progress;
         bound_triangles();
+        if (is_cancelled(progress)) return stopped();
+        begin_stage(progress, "triangles along the other surface", order_.size());
+        cover_triangles();
         if (is_cancelled(progress)) return stopped();
         begin_stage(progress, "triangles that may be farthest", order_.size());
         for (std::size_t first = 0, batch = 64; first < order_.size();) {
@@ -144,8 +148,7 @@ private:
             {wanted, splits / local_splits_, room / (local_splits_ + 1)});
     }
 
-    /// Bounds of all triangles by their vertices alone, and those that are not settled by their
-    /// bounds, the largest first.
+    /// Bounds of all triangles by their vertices alone, and those that are not settled by their bounds.
     void bound_triangles()
     {
         const std::uint32_t count = pair_.a().triangle_count();
@@ -166,24 +169,74 @@ private:
                 for (std::size_t i = first; i < end; ++i) {
                     const BoundedPart whole =
                         bounded_triangle(pair_, vertices_, static_cast<std::uint32_t>(i));
-                    const bool is_of_b =
-                        whole.upper == 0 &&
-                        std::ranges::any_of(whole.part.nearest, [&](const NearestRow& nearest) {
-                            return is_row_of_b(pair_, whole.part.corners, nearest.row);
-                        });
-                    uppers_[i] = is_of_b ? 0 : raised(whole.upper);
+                    uppers_[i] = is_of_b(whole.part) ? 0 : raised(whole.upper);
                 }
             });
         for (std::uint32_t row = 0; row < count; ++row) {
             if (uppers_[row] == 0) continue;
-            if (uppers_[row] > limit() || greatest() == 0) {
+            if (uppers_[row] > limit()) {
                 order_.push_back(row);
             } else {
                 settled_.add(uppers_[row], 0);
             }
         }
+    }
+
+    /// Whether a triangle is one of B as well.
+    [[nodiscard]] bool is_of_b(const MeasuredPart& whole) const noexcept
+    {
+        if (std::ranges::any_of(whole.nearest,
+                                [](const NearestRow& nearest) { return nearest.distance > 0; }))
+            return false;
+        // The rows of its corners may be others that they share.
+        const auto& [p, q, r] = whole.corners;
+        const Vec3 centroid = (p + q + r) / 3;
+        return is_row_of_b(pair_, whole.corners,
+                           pair_.nearest(centroid, whole.reach(centroid)).row);
+    }
+
+    /// Lowers the bounds of triangles that B lies along, and puts the largest first.
+    void cover_triangles()
+    {
+        constexpr std::size_t chunk = 256;
+        std::vector<PartOutcome> outcomes(chunk_count(order_.size(), chunk));
+        const std::uint64_t most_threads =
+            budget_bytes(options_.execution.budget) / (4 * RowCover::most_bytes);
+        parallel_chunks(order_.size(), chunk, at_most(options_.execution.threads, most_threads),
+                        [&](std::size_t first, std::size_t end) {
+                            PartSearch search(pair_, neighbors_, tolerance_, greatest(), 0, 0);
+                            for (std::size_t i = first; i < end; ++i) {
+                                if (is_cancelled(options_.execution.progress)) return;
+                                cover(order_[i], search, outcomes[first / chunk]);
+                            }
+                            advance_stage(options_.execution.progress, end - first);
+                        });
+        if (is_cancelled(options_.execution.progress)) return;
+        for (const PartOutcome& outcome : outcomes) {
+            farthest_.offer(outcome.farthest);
+            settled_.allow(outcome.settled.cuts);
+        }
+        std::size_t left = 0;
+        for (const std::uint32_t row : order_) {
+            if (uppers_[row] > limit()) {
+                order_[left++] = row;
+            } else {
+                settled_.add(uppers_[row], 0);
+            }
+        }
+        order_.resize(left);
         std::ranges::stable_sort(
             order_, [&](std::uint32_t a, std::uint32_t b) { return uppers_[a] > uppers_[b]; });
+    }
+
+    void cover(std::uint32_t row, PartSearch& search, PartOutcome& outcome)
+    {
+        BoundedPart whole{.part = {.corners = pair_.a().triangle(row).vertices,
+                                   .nearest = vertices_.of_row(pair_.a(), row)},
+                          .row_a = row,
+                          .upper = uppers_[row]};
+        search.cover(whole, outcome);
+        uppers_[row] = raised(whole.upper);
     }
 
     void offer_corners(std::size_t i, FarthestPoint& farthest) const
@@ -208,7 +261,8 @@ private:
         const std::uint64_t bytes = std::min(all, NearPieces::most_bytes);
         parallel_chunks(count, chunk, at_most(options_.execution.threads, all / bytes),
                         [&](std::size_t first, std::size_t end) {
-                            PartSearch search(pair_, tolerance_, greatest(), local_splits_, bytes);
+                            PartSearch search(pair_, neighbors_, tolerance_, greatest(),
+                                              local_splits_, bytes);
                             for (std::size_t i = first; i < end; ++i) {
                                 if (is_cancelled(options_.execution.progress)) return;
                                 search_one(i, search, outcomes[i]);
@@ -249,6 +303,7 @@ private:
     const SurfacePair& pair_;
     const MeasuredVertices& vertices_;
     const GreatestDeviationOptions& options_;
+    RowNeighbors neighbors_;
     double tolerance_;
     FarthestPoint farthest_;
     SettledBound settled_;
@@ -281,6 +336,11 @@ Result<GreatestDeviation> greatest_deviation(const MeshIndex& a, const MeshIndex
     if (Status status = check_options(options); !status) return tl::unexpected(status.error());
     const auto pair = SurfacePair::make(a, b, options.execution);
     if (!pair) return tl::unexpected(pair.error());
+    if (Status status = check_budget(
+            options.execution.budget, pair->bytes() + RowNeighbors::bytes_of(pair->b()),
+            "measuring the greatest deviation", "raise the budget or measure parts of the mesh");
+        !status)
+        return tl::unexpected(status.error());
     const double tolerance = options.tolerance > 0
                                  ? pair->to_units(options.tolerance)
                                  : GreatestDeviationOptions::default_tolerance * pair->diagonal();

@@ -21,15 +21,6 @@ double radius_about(const Vec3& center, const std::array<Vec3, 3>& corners) noex
     return std::sqrt(most);
 }
 
-std::array<std::uint32_t, 3> edges_of(const IndexParts& index, std::uint32_t row) noexcept
-{
-    const auto ids = [](const auto& of) {
-        return std::array{of.edges[0], of.edges[1], of.edges[2]};
-    };
-    return index.double_rows().empty() ? ids(index.float_rows()[row])
-                                       : ids(index.double_rows()[row]);
-}
-
 /// Where a linear function is 0 on a side, by its values at the ends; negative where it does not fall.
 double falling_root(double from, double to) noexcept
 {

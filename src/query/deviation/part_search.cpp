@@ -17,7 +17,7 @@ struct BoundedPiece {
 void PartSearch::search_triangle(const MeasuredVertices& vertices, std::uint32_t row, double upper,
                                  PartOutcome& outcome)
 {
-    if (!(upper > greatest_ + tolerance_ || greatest_ == 0)) {
+    if (!(upper > limit(outcome))) {
         outcome.settled.add(upper, 0);
         return;
     }
@@ -25,17 +25,26 @@ void PartSearch::search_triangle(const MeasuredVertices& vertices, std::uint32_t
     const auto& [p, q, r] = whole.part.corners;
     const Vec3 centroid = (p + q + r) / 3;
     const NearestRow nearest = pair_.nearest(centroid, whole.part.reach(centroid));
-    if (is_row_of_b(pair_, whole.part.corners, nearest.row)) return;
     outcome.farthest.offer(nearest, centroid, row, 1);
-    whole.upper = std::min(whole.upper, upper_by(pair_, whole.part, nearest.row));
+    whole.upper = std::min({upper, whole.upper, upper_by(pair_, whole.part, nearest.row)});
     search_part(whole, outcome);
 }
 
-void PartSearch::search_part(const BoundedPart& start, PartOutcome& outcome)
+void PartSearch::cover(BoundedPart& part, PartOutcome& outcome)
 {
-    const auto most = [&] {
-        return std::max(greatest_, outcome.farthest.nearest.distance) + tolerance_;
-    };
+    const CoverBound bound = cover_.bound(part.part, limit(outcome));
+    if (!(bound.upper < part.upper) || bound.cuts > most_cuts) return;
+    part.upper = bound.upper;
+    outcome.settled.allow(bound.cuts);
+    if (!(bound.upper > greatest(outcome))) return;
+    outcome.farthest.offer(pair_.nearest(bound.point, bound.upper), bound.point, part.row_a,
+                           bound.cuts);
+}
+
+void PartSearch::search_part(BoundedPart start, PartOutcome& outcome)
+{
+    const auto most = [&] { return limit(outcome); };
+    if (start.part.cuts < most_cuts && start.upper > most()) cover(start, outcome);
     if (start.part.cuts >= most_cuts || !(start.upper > most())) {
         outcome.settled.add(start.upper, start.part.cuts);
         return;
@@ -78,7 +87,7 @@ void PartSearch::offer_corner(const MeasuredPart& part, std::size_t corner, std:
                               PartOutcome& outcome) const
 {
     const double distance = part.nearest[corner].distance;
-    if (!(distance > std::max(greatest_, outcome.farthest.nearest.distance))) return;
+    if (!(distance > greatest(outcome))) return;
     const Vec3& point = part.corners[corner];
     outcome.farthest.offer(pair_.nearest(point, distance), point, row_a, part.cuts);
 }

@@ -3,6 +3,7 @@
 
 #include "query/deviation/measured_part.h"
 #include "query/deviation/near_pieces.h"
+#include "query/deviation/row_cover.h"
 #include "query/deviation/surface_pair.h"
 
 #include <algorithm>
@@ -42,6 +43,8 @@ struct SettledBound {
         cuts = std::max(cuts, cut_count);
         is_zero = false;
     }
+    /// For bounds that rest on corners that were cut so often.
+    void allow(std::uint32_t cut_count) noexcept { cuts = std::max(cuts, cut_count); }
     void add(const SettledBound& other)
     {
         upper = std::max(upper, other.upper);
@@ -65,27 +68,40 @@ public:
 
     /// `greatest` is the largest distance known, `most_splits` those of each part. Takes about
     /// `bytes`.
-    PartSearch(const SurfacePair& pair, double tolerance, double greatest,
-               std::uint64_t most_splits, std::uint64_t bytes) noexcept
+    PartSearch(const SurfacePair& pair, const RowNeighbors& neighbors, double tolerance,
+               double greatest, std::uint64_t most_splits, std::uint64_t bytes) noexcept
         : pair_(pair), tolerance_(tolerance), greatest_(greatest), most_splits_(most_splits),
-          pieces_(pair, tolerance, bytes)
+          cover_(pair, neighbors), pieces_(pair, tolerance, bytes)
     {}
+
+    /// Lowers the bound where B lies along the part, and asks how far the point is where it is reached. Parts whose bound is
+    /// no more than the tolerance above the greatest distance are of no more interest.
+    void cover(BoundedPart& part, PartOutcome& outcome);
 
     /// `upper` bounds the distances of the triangle's points.
     void search_triangle(const MeasuredVertices& vertices, std::uint32_t row, double upper,
                          PartOutcome& outcome);
     /// A few cuts, always of the piece with the largest bound.
-    void search_part(const BoundedPart& start, PartOutcome& outcome);
+    void search_part(BoundedPart start, PartOutcome& outcome);
 
 private:
     void offer_corner(const MeasuredPart& part, std::size_t corner, std::uint32_t row_a,
                       PartOutcome& outcome) const;
     void halve(const BoundedPart& start, PartOutcome& outcome) const;
+    [[nodiscard]] double greatest(const PartOutcome& outcome) const noexcept
+    {
+        return std::max(greatest_, outcome.farthest.nearest.distance);
+    }
+    [[nodiscard]] double limit(const PartOutcome& outcome) const noexcept
+    {
+        return greatest(outcome) + tolerance_;
+    }
 
     const SurfacePair& pair_;
     double tolerance_;
     double greatest_;
     std::uint64_t most_splits_;
+    RowCover cover_;
     NearPieces pieces_;
 };
 

@@ -14,6 +14,15 @@ constexpr double thin = 1e-8;
 
 } // namespace
 
+std::array<std::uint32_t, 3> edges_of(const IndexParts& index, std::uint32_t row) noexcept
+{
+    const auto ids = [](const auto& of) {
+        return std::array{of.edges[0], of.edges[1], of.edges[2]};
+    };
+    return index.double_rows().empty() ? ids(index.float_rows()[row])
+                                       : ids(index.double_rows()[row]);
+}
+
 RowTriangle::RowTriangle(const Triangle& triangle, const Vec3& origin, std::uint32_t row,
                          const std::array<std::uint32_t, 3>& edges) noexcept
     : corners_{triangle[0] - origin, triangle[1] - origin, triangle[2] - origin},

@@ -9,6 +9,7 @@
 // So it does no harm but width where rounding names a point that is not the closest.
 #pragma once
 
+#include "index/index_parts.h"
 #include "proxima/geometry.h"
 
 #include <array>
@@ -27,6 +28,10 @@ struct TriangleFoot {
     /// No more than the triangle's distance from a point.
     [[nodiscard]] double below(const Vec3& p) const noexcept { return direction.dot(p) - support; }
 };
+
+/// The ids of the edges of a row.
+[[nodiscard]] std::array<std::uint32_t, 3> edges_of(const IndexParts& index,
+                                                    std::uint32_t row) noexcept;
 
 class RowTriangle {
 public:
