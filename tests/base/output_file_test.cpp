@@ -4,6 +4,7 @@
 #include "folder_test.h"
 
 #include <array>
+#include <cerrno>
 #include <csignal>
 #include <cstdlib>
 #include <fcntl.h>
@@ -15,8 +16,38 @@
 #include <sys/file.h>
 #include <sys/resource.h>
 #include <sys/stat.h>
+#include <sys/syscall.h>
 #include <sys/wait.h>
 #include <unistd.h>
+#include <utility>
+
+namespace proxima::output_file_test {
+
+/// What another process does to the next file that is locked, just before.
+enum class Meddling { none, locks, removes };
+static Meddling meddling = Meddling::none;
+
+} // namespace proxima::output_file_test
+
+/// In place of the C library's, for all of this program.
+extern "C" int flock(int descriptor, int operation) noexcept
+{
+    using proxima::output_file_test::Meddling;
+    switch (std::exchange(proxima::output_file_test::meddling, Meddling::none)) {
+    case Meddling::none:
+        break;
+    case Meddling::locks:
+        errno = EWOULDBLOCK;
+        return -1;
+    case Meddling::removes: {
+        std::error_code error;
+        std::filesystem::remove(
+            std::filesystem::read_symlink("/proc/self/fd/" + std::to_string(descriptor), error),
+            error);
+    }
+    }
+    return static_cast<int>(::syscall(SYS_flock, descriptor, operation));
+}
 
 namespace proxima::output_file_test {
 namespace {
@@ -252,6 +283,22 @@ TEST_F(OutputFileTest, RemovesWhatAKilledProcessLeft)
     EXPECT_EQ(entries(), 6);
 }
 
+TEST_F(OutputFileTest, TakesAnotherNameWhereOneWasTakenForAbandoned)
+{
+    replace(path("a.txt")); // what looks through the folder locks files, too
+    for (const Meddling one : {Meddling::locks, Meddling::removes}) {
+        meddling = one;
+        auto file = OutputFile::create(path("a.txt"));
+        ASSERT_TRUE(file) << describe(file.error());
+        EXPECT_EQ(meddling, Meddling::none);
+        ASSERT_TRUE(file->write("written"));
+        const auto status = file->commit();
+        ASSERT_TRUE(status) << describe(status.error());
+        EXPECT_EQ(content(path("a.txt")), "written");
+        fs::remove(path("a.txt"));
+    }
+}
+
 TEST_F(OutputFileTest, CreatesTheTargetOfADanglingLinkAndRefusesALoop)
 {
     fs::create_symlink("later.txt", path("link.txt"));
@@ -382,6 +429,15 @@ TEST_F(OutputFileTest, LastOfTwoCommitsWins)
     ASSERT_TRUE(first->commit());
     EXPECT_EQ(content(path("a.txt")), "first");
     EXPECT_EQ(entries(), 1);
+}
+
+TEST(OutputFileDeathTest, TakesNothingAfterItWasCommitted)
+{
+    auto file = OutputFile::create("/dev/null");
+    ASSERT_TRUE(file && file->commit());
+    EXPECT_DEATH((void)file->write("more"), "check failed: state_ != nullptr");
+    EXPECT_DEATH((void)file->overwrite(0, {}), "check failed: state_ != nullptr");
+    EXPECT_DEATH((void)file->commit(), "check failed: state_ != nullptr");
 }
 
 TEST_F(OutputFileTest, AppendsToStandardOutputWhenItIsAFile)

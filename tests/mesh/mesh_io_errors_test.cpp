@@ -13,6 +13,9 @@ TEST(MeshIoErrors, NameTheLineOrByteAndTheElement)
                              "float y\nproperty float z\nelement face 2\nproperty list uchar int "
                              "vertex_indices\nend_header\n";
     const std::string vertices = "0 0 0\n1 0 0\n0 1 0\n";
+    const std::string facet =
+        "facet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 "
+        "0\nendloop\nendfacet\n";
     const struct {
         MeshFormat format;
         std::string text;
@@ -41,12 +44,25 @@ TEST(MeshIoErrors, NameTheLineOrByteAndTheElement)
         {MeshFormat::off, "OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 3\n", ":6", "uses vertex 3"},
         {MeshFormat::off, "OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n1\n", ":7", "more data"},
         {MeshFormat::off, "OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 x\n3 0 1 2\n", ":5", "vertex 2"},
+        {MeshFormat::off, "OFF\n3 1 0\n0 0 0\n1 0\n0 1 0\n3 0 1 2\n", ":4",
+         "vertex 1 has not the 3"},
+        {MeshFormat::off, "OFF\n3 1 0\n0 0 0\n1 0 0 7\n0 1 0\n3 0 1 2\n", ":4",
+         "vertex 1 has not the 3"},
+        {MeshFormat::off, "NOFF\n3 1 0\n0.0 0.0 0.0 0.0 0.0 1.0\n1 0 0\n0 1 0 0 0 1\n3 0 1 2\n",
+         ":4", "vertex 1 has not the 6"},
+        {MeshFormat::off, "OFF\n3\n0 0 0\n1 0 0\n0 1 0\n", ":2", "the counts"},
+        {MeshFormat::off, "OFF\n3 -1 0\n0 0 0\n1 0 0\n0 1 0\n", ":2", "the counts"},
+        {MeshFormat::off, "OFF\n3 1 0 x\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n", ":2", "the counts"},
+        {MeshFormat::off, "OFF\n3 3 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n", ":2",
+         "promises 3 vertices and 3 faces"},
         {MeshFormat::off, "4OFF\n3 1 0\n", ":1", "4OFF"},
         {MeshFormat::off, "OFF BINARY\n", ":1", "binary"},
         {MeshFormat::stl,
          "solid\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nendloop", ":6",
          "2 corners"},
         {MeshFormat::stl, "solid\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\n", ":5", "cut off"},
+        {MeshFormat::stl, "solid\n" + facet + facet + "facet normal 0 0 1\nouter loop\nendloop",
+         ":18", "facet 2 has 0 corners"},
         {MeshFormat::stl, "solid\nfacets\n", ":2", "\"facets\""},
         {MeshFormat::stl, "something else", "", "14"},
     };

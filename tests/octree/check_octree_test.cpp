@@ -5,8 +5,10 @@
 #include "octree/slow_builder.h"
 #include "octree/small_meshes.h"
 
+#include <algorithm>
 #include <gtest/gtest.h>
 #include <random>
+#include <vector>
 
 namespace proxima::check_octree_test {
 namespace {
@@ -45,6 +47,30 @@ TEST_F(CheckOctree, AcceptsWhatTheOracleBuilds)
     EXPECT_EQ(reason(check_octree(uniform, mesh)), "ok");
     const SlowOctreeOptions one_leaf{.max_depth = 0, .root = root};
     EXPECT_EQ(reason(check_octree(slow_octree(mesh, one_leaf), mesh)), "ok");
+}
+
+// The most cells that can wait at a time, in the order of the records and against it.
+TEST_F(CheckOctree, AcceptsACellAtTheGreatestDepthWithSevenSiblingsAtEveryDepth)
+{
+    for (const double corner : {0.0, 1.0}) {
+        std::vector<Vec3> vertices;
+        std::vector<TriangleCorners> triangles;
+        for (int octant = 1; octant < 8; ++octant) { // through it at every depth
+            const Vec3 along((octant & 1) != 0 ? 0.75 : 0.25, (octant & 2) != 0 ? 0.75 : 0.25,
+                             (octant & 4) != 0 ? 0.75 : 0.25);
+            const Vec3 end = Vec3::Constant(corner) + (corner > 0 ? -along : along);
+            const auto first = static_cast<std::uint32_t>(vertices.size());
+            vertices.insert(vertices.end(),
+                            {Vec3::Constant(corner), end, end + Vec3(0x1p-6, -0x1p-6, 0)});
+            triangles.push_back({first, first + 1, first + 2});
+        }
+        const TriangleMesh fan = mesh_of(vertices, triangles);
+        const auto octree = build_octree(
+            fan, {.max_depth = max_octree_depth, .root = OctreeFrame{Vec3::Zero(), Vec3::Ones()}});
+        ASSERT_TRUE(octree) << describe(octree.error());
+        ASSERT_GE(octree->nodes().size(), 8U * max_octree_depth + 1);
+        EXPECT_EQ(reason(check_octree(*octree, fan)), "ok");
+    }
 }
 
 TEST_F(CheckOctree, AcceptsConservativeListsOnlyWhenMarkedInexact)
@@ -129,6 +155,14 @@ TEST_F(CheckOctree, FindsEachBrokenRecord)
     expect_bad(edit, "triangle 1000000 of");
     edit = EditableOctree(adaptive);
     edit.nodes[0].first = 0;
+    expect_bad(edit, "two parents");
+    edit = EditableOctree(adaptive); // two split cells that are beside each other
+    const auto is_split = [&](OctreeNode node) { return !node.is_leaf(); };
+    const auto one =
+        std::ranges::find_if(edit.nodes.begin() + edit.nodes[0].first, edit.nodes.end(), is_split);
+    const auto other = std::find_if(one + 1, edit.nodes.end(), is_split);
+    ASSERT_LT(other - edit.nodes.begin(), edit.nodes[0].first + 8);
+    one->first = other->first;
     expect_bad(edit, "two parents");
     edit = EditableOctree(adaptive);
     edit.nodes[0].first = static_cast<std::uint32_t>(edit.nodes.size()) - 7;

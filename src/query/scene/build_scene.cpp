@@ -36,28 +36,24 @@ RigidTransform instance_frame(const RigidTransform& pose) noexcept
     RigidTransform frame;
     const Mat3& r = pose.rotation;
     const Vec3& t = pose.translation;
-    for (int i = 0; i < 3; ++i) {
-        for (int j = 0; j < 3; ++j) frame.rotation(i, j) = r(j, i);
+    frame.rotation = r.transpose();
+    for (int i = 0; i < 3; ++i)
         frame.translation[i] = -((r(0, i) * t[0] + r(1, i) * t[1]) + r(2, i) * t[2]);
-    }
     return frame;
 }
 
 RigidTransform relative_pose(const RigidTransform& a, const RigidTransform& b) noexcept
 {
-    RigidTransform pose;
-    const auto turned_back = [&](const double* v, int i) {
-        return (a.rotation(0, i) * v[0] + a.rotation(1, i) * v[1]) + a.rotation(2, i) * v[2];
+    const auto turned_back = [&](const Vec3& v) {
+        Vec3 turned;
+        for (int i = 0; i < 3; ++i)
+            turned[i] =
+                (a.rotation(0, i) * v[0] + a.rotation(1, i) * v[1]) + a.rotation(2, i) * v[2];
+        return turned;
     };
-    const Vec3 between(b.translation[0] - a.translation[0], b.translation[1] - a.translation[1],
-                       b.translation[2] - a.translation[2]);
-    for (int i = 0; i < 3; ++i) {
-        for (int j = 0; j < 3; ++j) {
-            const Vec3 column(b.rotation(0, j), b.rotation(1, j), b.rotation(2, j));
-            pose.rotation(i, j) = turned_back(column.data(), i);
-        }
-        pose.translation[i] = turned_back(between.data(), i);
-    }
+    RigidTransform pose;
+    for (int j = 0; j < 3; ++j) pose.rotation.col(j) = turned_back(b.rotation.col(j));
+    pose.translation = turned_back(b.translation - a.translation);
     return pose;
 }
 

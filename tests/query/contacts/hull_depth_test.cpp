@@ -180,6 +180,16 @@ TEST(HullDepth, IsThatOfBodiesWithManyCornersAndOfOneFarWithinTheOther)
     }
 }
 
+TEST(HullDepth, GivesUpWhereThousandsOfCornersAreEquallyFar)
+{
+    std::mt19937_64 random(2);
+    Points directions;
+    for (int i = 0; i < 2000; ++i) directions.push_back(random_direction(random));
+    const ConvexPolyhedron ball = hull_of(directions);
+    const Points same(ball.points().begin(), ball.points().end());
+    EXPECT_FALSE(find_hull_depth(ball, ball, same, rounding_of(ball, same)));
+}
+
 TEST(HullDepth, IsNothingForHullsThatTouchOrAreApartOrFlat)
 {
     const ConvexPolyhedron box = hull_of(box_corners(Vec3(1, 1, 1)));
