@@ -13,6 +13,7 @@
 #include <cstdlib>
 #include <exception>
 #include <functional>
+#include <malloc.h>
 #include <map>
 #include <new>
 #include <p4est_base.h>
@@ -123,6 +124,17 @@ void name_errors_of_mpi()
     MPI_Errhandler_free(&handler); // the communicator keeps it
 }
 
+/// Arrays of a rank's triangles are made, sent and dropped one after the other: the system need not
+/// clear the memory of those below 32 MB for each again.
+void keep_freed_memory()
+{
+#ifdef __GLIBC__
+    constexpr int kept_bytes = 32 << 20;
+    mallopt(M_MMAP_THRESHOLD, kept_bytes);
+    mallopt(M_TRIM_THRESHOLD, 2 * kept_bytes);
+#endif
+}
+
 void start_p4est()
 {
     sc_init(MPI_COMM_WORLD, 0, 0, nullptr, SC_LP_ERROR);
@@ -139,6 +151,7 @@ void start_p4est()
 
 int main(int argc, char** argv)
 {
+    proxima::keep_freed_memory();
     MPI_Init(&argc, &argv);
     proxima::name_errors_of_mpi();
     int exit_status = 1;
