@@ -57,6 +57,16 @@ class Octree(DistributedTest):
         text = self.expect_same(path, "--depth", 7, "--routing-depth", 7, "--threshold", 8, ranks=(2,))
         self.assertLess(sum(row["Bytes sent"] for row in self.rank_rows(text, 2)), 1_000_000, f"seed {SEED}")
 
+    def test_pairs_that_ranks_split(self):
+        """Without a threshold every triangle of an occupied cell goes on to the next level: what is split is in the leaves of the levels above."""
+        depths = (3, 4, 5)
+        results = run_each((2, "octree", "torus:30x20", "--threshold", 0, "--routing-depth", 3, "--depth", depth) for depth in depths)
+        rows = [self.rank_rows(result.stdout, 2) for result in results]
+        pairs, pointers = ([sum(row[name] for row in ranks) for ranks in rows] for name in ("Pairs split", "Pointers"))
+        self.assertEqual(pairs, [0, pointers[0], pointers[0] + pointers[1]])
+        leaves = [int(line.split()[3]) for line in results[2].stdout.splitlines() if line.split()[:2] == ["5", "0"]]
+        self.assertEqual([sum(row["Leaves"] for row in rows[2])], leaves)
+
     def test_statistics_are_those_of_the_program(self):
         options = ["--depth", 7, "--threshold", 8]
         one = subprocess.run([PROXIMA, "octree", "torus:200x100", *map(str, options)], capture_output=True, text=True, check=True).stdout
