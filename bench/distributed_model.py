@@ -2,21 +2,23 @@
 
 Work is a rank's processor time without messages and waiting. It is modelled as
 
-    start + a slice + b received + c pointers levels + d copies + e messages
+    start + a slice + b received + c pairs + d leaves + e sent
 
-    slice      triangles of the whole / ranks: what a rank reads and sorts into cells
+    slice      triangles of the whole / ranks: what a rank sorts into cells and packs
     received   triangles that touch its cells
-    pointers   references of its leaves, each of which came down through `levels` below the routing depth
-    copies     triangles received by the rank beyond its share: those at its boundary
-    messages   non-empty ones that it sent
+    pairs      of a triangle and a cell that was split, over all levels below the routing depth
+    leaves     of its cells: what is classified
+    sent       bytes that it packed for other ranks
 
-The coefficients come from nonnegative least squares of relative errors over half of the runs: every second one in the order in which
-the runs are listed. Each run is the median of its rounds; ranks of a run are samples of their own.
+All of these but the share are counts that the program prints. The coefficients come from nonnegative least squares of relative errors over
+half of the runs, drawn at random with a fixed seed. The work of each rank is the least of all rounds, for what else the machine does only adds.
 """
 import os
+import random
 import re
 import statistics
 import subprocess
+from dataclasses import dataclass
 from itertools import product
 
 import numpy
@@ -26,7 +28,9 @@ DEPTHS = [7, 8, 9]
 RANKS = [1, 2, 3, 4, 6]
 THRESHOLD = 8
 ROUTING_DEPTH = 5
-TERMS = ["start", "slice", "received", "pointers x levels", "copies", "messages"]
+SEED = 24
+TERMS = ["start", "slice", "received", "pairs", "leaves", "sent"]
+COLUMNS = ["Rank", "Cells", "Triangles", "Leaves", "Pairs split", "Pointers", "Work us", "Messages", "Bytes sent", "Peak MB"]
 
 
 def ranks_command(program, ranks, arguments):
@@ -37,27 +41,38 @@ def ranks_command(program, ranks, arguments):
 
 def rank_rows(output):
     """What the table of ranks says, by its headings."""
-    names = ["Rank", "Cells", "Triangles", "Pointers", "Work us", "Messages", "Bytes sent", "Peak MB"]
-    table = output[output.index("Rank"):]
-    return [dict(zip(names, map(int, row.split()))) for row in re.findall(r"^ *\d+(?: +\d+){7}$", table, re.M)]
-
-
-def median_ranks(program, mesh, depth, ranks, rounds):
-    """The rows of a run; work is the median of the rounds."""
-    arguments = [mesh, "--depth", str(depth), "--threshold", str(THRESHOLD), "--routing-depth", str(ROUTING_DEPTH)]
-    runs = [rank_rows(subprocess.run(ranks_command(program, ranks, arguments), check=True, capture_output=True, text=True).stdout)
-            for _ in range(rounds)]
-    return [{**of_rank[0], "Work us": statistics.median(row["Work us"] for row in of_rank)} for of_rank in zip(*runs)]
+    table = output[output.index("Rank  "):]
+    return [dict(zip(COLUMNS, map(int, row.split()))) for row in re.findall(rf"^ *\d+(?: +\d+){{{len(COLUMNS) - 1}}}$", table, re.M)]
 
 
 def triangles_of(mesh):
-    across, around = map(int, mesh.removeprefix("torus:").split("x"))
-    return 2 * across * around
+    around, across = map(int, mesh.removeprefix("torus:").split("x"))
+    return 2 * around * across
 
 
-def terms_of(whole, ranks, received, pointers, levels, messages):
-    share = whole / ranks
-    return [1.0, share, received, pointers * levels, max(received - share, 0), messages]
+@dataclass
+class Run:
+    mesh: str
+    depth: int
+    ranks: int
+    rows: list  # by rank
+
+    @property
+    def triangles(self):
+        return triangles_of(self.mesh)
+
+    @property
+    def terms(self):
+        """By rank."""
+        share = self.triangles / self.ranks
+        return numpy.array([[1.0, share, row["Triangles"], row["Pairs split"], row["Leaves"], row["Bytes sent"]] for row in self.rows])
+
+    @property
+    def work(self):
+        return numpy.array([row["Work us"] for row in self.rows])
+
+    def sum_of(self, column):
+        return sum(row[column] for row in self.rows)
 
 
 def nonnegative_least_squares(matrix, wanted):
@@ -76,76 +91,92 @@ def nonnegative_least_squares(matrix, wanted):
 
 
 def measure(program, rounds):
-    """Terms and microseconds of every rank of every run, run by run."""
-    runs = []
-    for mesh, depth, ranks in product(MESHES, DEPTHS, RANKS):
-        rows = median_ranks(program, mesh, depth, ranks, rounds)
-        whole = triangles_of(mesh)
-        terms = [terms_of(whole, ranks, row["Triangles"], row["Pointers"], depth - ROUTING_DEPTH, row["Messages"]) for row in rows]
-        runs.append((mesh, depth, ranks, rows, numpy.array(terms), numpy.array([row["Work us"] for row in rows])))
+    """All runs in each round, in an order of its own, so that a busy minute does not meet all rounds of one run."""
+    runs = [Run(*shape, []) for shape in product(MESHES, DEPTHS, RANKS)]
+    for number in range(rounds):
+        for run in random.Random(number).sample(runs, len(runs)):
+            arguments = [run.mesh, "--depth", str(run.depth), "--threshold", str(THRESHOLD), "--routing-depth", str(ROUTING_DEPTH)]
+            output = subprocess.run(ranks_command(program, run.ranks, arguments), check=True, capture_output=True, text=True).stdout
+            rows = rank_rows(output)
+            for row, before in zip(rows, run.rows):
+                row["Work us"] = min(row["Work us"], before["Work us"])
+            run.rows = rows
     return runs
 
 
 def fit(runs):
-    terms = numpy.concatenate([run[4] for run in runs])
-    work = numpy.concatenate([run[5] for run in runs])
-    scale = numpy.abs(terms).max(axis=0)
+    terms = numpy.concatenate([run.terms for run in runs])
+    work = numpy.concatenate([run.work for run in runs])
+    scale = terms.max(axis=0)
     scale[scale == 0] = 1
     return nonnegative_least_squares(terms / scale / work[:, None], numpy.ones(len(work))) / scale
 
 
-def errors_of(coefficients, runs):
-    """Relative errors of the busiest ranks' work, by run."""
-    return numpy.array([(run[4] @ coefficients).max() / run[5].max() - 1 for run in runs])
+def describe_errors(name, coefficients, runs):
+    """Relative errors of the busiest ranks' work."""
+    errors = {f"{run.mesh} at depth {run.depth} on {run.ranks}": (run.terms @ coefficients).max() / run.work.max() - 1 for run in runs}
+    sizes = numpy.abs(list(errors.values()))
+    print(f"{name}: {len(runs)} runs, mean {100 * sizes.mean():.1f} %, 90 of 100 below {100 * numpy.quantile(sizes, 0.9):.1f} %, "
+          f"worst {100 * sizes.max():.1f} %, {numpy.sum(sizes <= 0.15)} runs within 15 %")
+    for run, error in errors.items():
+        if abs(error) > 0.15:
+            print(f"  {run} ranks: {100 * error:+.1f} %")
 
 
-def describe_errors(name, errors):
-    sizes = numpy.abs(errors)
-    print(f"{name}: {len(errors)} runs, mean {100 * sizes.mean():.1f} %, 90 of 100 below {100 * numpy.quantile(sizes, 0.9):.1f} %, "
-          f"worst {100 * sizes.max():.1f} %, {100 * numpy.mean(sizes <= 0.15):.0f} % of runs within 15 %")
+@dataclass
+class Growth:
+    """Of a surface, by triangle of a rank's share; copies by the square root of the share."""
+    pairs: float  # at the deepest level of the largest mesh, whose cells are about as small as the threshold allows
+    level: float  # pairs that each further level adds above: of triangles that are small beside its cells
+    leaves: float
+    copies: float
+    sent: float  # bytes, as if 1 / ranks of the triangles were at home
+    memory: float  # bytes
 
 
 def growth(runs):
-    """Of a surface: pointers of a triangle once cells are as small as the threshold allows, copies of a rank by the square root of its
-    share, bytes sent and peak bytes by triangle."""
-    deepest = [run for run in runs if run[1] == max(DEPTHS)]
-    pointers = statistics.median(sum(row["Pointers"] for row in run[3]) / triangles_of(run[0]) for run in deepest)
-    copies = max(run[4][:, 4].max() / (triangles_of(run[0]) / run[2]) ** 0.5 for run in runs if run[2] > 1)
-    sent = statistics.median(sum(row["Bytes sent"] for row in run[3]) / triangles_of(run[0]) for run in runs if run[2] > 1)
-    large, small = (max(run[3][0]["Peak MB"] for run in runs if run[0] == mesh and run[2] == 1) for mesh in (MESHES[-1], MESHES[0]))
-    peak = 1e6 * (large - small) / (triangles_of(MESHES[-1]) - triangles_of(MESHES[0]))
-    return pointers, copies, sent, peak
+    of_largest = [run for run in runs if run.mesh == MESHES[-1]]
+    deepest = [run for run in of_largest if run.depth == max(DEPTHS)]
+    shallowest = [run for run in of_largest if run.depth == min(DEPTHS)]
+    split = [run for run in runs if run.ranks > 1]
+    large, small = (max(run.rows[0]["Peak MB"] for run in runs if run.mesh == mesh and run.ranks == 1) for mesh in (MESHES[-1], MESHES[0]))
+    levels = min(DEPTHS) - ROUTING_DEPTH
+    return Growth(pairs=statistics.median(run.sum_of("Pairs split") / run.triangles for run in deepest),
+                  level=statistics.median(run.sum_of("Pairs split") / run.triangles / levels for run in shallowest),
+                  leaves=statistics.median(run.sum_of("Leaves") / run.triangles for run in deepest),
+                  copies=max((run.terms[:, 2] - run.terms[:, 1]).max() / (run.triangles / run.ranks) ** 0.5 for run in split),
+                  sent=max(run.sum_of("Bytes sent") / run.triangles * run.ranks / (run.ranks - 1) for run in split),
+                  memory=1e6 * (large - small) / (triangles_of(MESHES[-1]) - triangles_of(MESHES[0])))
 
 
 def extrapolate(coefficients, runs, ranks=10_000):
-    pointers, copies, sent, peak = growth(runs)
-    print(f"\nGrowth: {pointers:.2f} pointers a triangle, copies {copies:.1f} times the square root of a rank's share, "
-          f"{sent:.0f} bytes sent and {peak:.0f} bytes of memory a triangle.\n")
+    grows = growth(runs)
+    finest = max(run.triangles for run in runs)
+    print(f"\nGrowth: {grows.pairs:.2f} pairs a triangle and {grows.level:.2f} for each further level, {grows.leaves:.2f} leaves, copies "
+          f"{grows.copies:.1f} times the square root of a rank's share, {grows.sent:.0f} bytes sent and {grows.memory:.0f} bytes of memory a triangle.\n")
     print("| Triangles | of a rank | Depth | Work of a rank | Memory of a rank | Sent by a rank | Root counts, MB |")
     print("|---|---|---|---|---|---|---|")
     for whole in (1e9, 1e10, 1e11):
         share = whole / ranks
-        # A level more for four times the triangles of a surface.
-        depth = max(DEPTHS) + numpy.log(whole / triangles_of(MESHES[-1])) / numpy.log(4)
-        received = share + copies * share ** 0.5
-        messages = 3 * (ranks - 1)  # all ranks may get something, in three exchanges
-        terms = terms_of(whole, ranks, received, pointers * received, depth - ROUTING_DEPTH, messages)
-        work = coefficients @ terms
+        further = numpy.log(whole / finest) / numpy.log(4)  # a level more for four times the triangles of a surface
+        received = share + grows.copies * share ** 0.5
+        work = coefficients @ [1.0, share, received, (grows.pairs + grows.level * further) * received, grows.leaves * received, grows.sent * share]
         # Cells at the routing depth, 16 bytes each, that every rank tells for every depth.
         told = 16 * min(received, 8 ** ROUTING_DEPTH) / 1e6
-        print(f"| {whole:.0e} | {share:.0e} | {depth:.1f} | {work / 1e6:.2f} s "
-              f"| {peak * received / 1e6:.0f} MB | {sent * share / 1e6:.0f} MB | {told:.2f} |")
-    return pointers
+        print(f"| {whole:.0e} | {share:.0e} | {max(DEPTHS) + further:.1f} | {work / 1e6:.2f} s "
+              f"| {grows.memory * received / 1e6:.0f} MB | {grows.sent * share / 1e6:.0f} MB | {told:.2f} |")
 
 
 def report(program, rounds):
     runs = measure(program, rounds)
-    fitted, checked = runs[0::2], runs[1::2]
+    drawn = set(random.Random(SEED).sample(range(len(runs)), len(runs) // 2))
+    fitted = [run for number, run in enumerate(runs) if number in drawn]
+    checked = [run for number, run in enumerate(runs) if number not in drawn]
     coefficients = fit(fitted)
     print(f"Threshold {THRESHOLD}, routing depth {ROUTING_DEPTH}, depths {DEPTHS}, ranks {RANKS}, meshes {', '.join(MESHES)}; "
-          f"medians of {rounds} rounds; {len(runs)} runs.\n")
+          f"least of {rounds} rounds; {len(runs)} runs, half of them drawn with seed {SEED}.\n")
     print("| " + " | ".join(TERMS) + " |\n|" + "---|" * len(TERMS))
     print("| " + " | ".join(f"{1000 * value:.1f} ns" for value in coefficients) + " |\n")
-    describe_errors("fitted", errors_of(coefficients, fitted))
-    describe_errors("checked", errors_of(coefficients, checked))
+    describe_errors("fitted", coefficients, fitted)
+    describe_errors("checked", coefficients, checked)
     extrapolate(coefficients, runs)

@@ -13,8 +13,10 @@
 #include <cstdlib>
 #include <exception>
 #include <functional>
+#include <malloc.h>
 #include <map>
 #include <new>
+#include <optional>
 #include <p4est_base.h>
 #include <span>
 #include <string>
@@ -47,42 +49,62 @@ Status check_arguments(std::span<char* const> words, const World& world)
     return world.agree(status);
 }
 
-/// Reads the arguments and runs the command that they name. Returns the exit status, the same on all
-/// ranks. Only rank 0 prints.
-int run(int argc, char** argv, World& world)
+/// The arguments, and the command that they name.
+struct CommandLine {
+    CLI::App app{"Octrees of triangle meshes, and queries, over several processes"};
+    std::map<std::string, RunCommand> commands;
+    bool shows_progress = false;
+    double wait_seconds = 30;
+    std::optional<CLI::ParseError> error;
+
+    CommandLine(int argc, char** argv)
+    {
+        constexpr AddCommand add_commands[] = {add_octree_command, add_closest_command,
+                                               add_rays_command, add_sign_command};
+        app.set_version_flag("--version", "proxima-mpi " PROXIMA_VERSION);
+        app.require_subcommand(1);
+        app.fallthrough(); // of the subcommands below
+        app.add_flag("--progress", shows_progress, "Show the first process's progress on stderr");
+        app.add_option("--wait", wait_seconds,
+                       "Seconds in which all processes must reach each other at the start (default "
+                       "30)")
+            ->check([](const std::string& text) {
+                const double seconds = std::strtod(text.c_str(), nullptr);
+                return seconds >= 0.1 && seconds <= 1e6 ? "" : "must be 0.1 to 1000000 seconds";
+            });
+        for (const AddCommand add_command : add_commands) {
+            RunCommand command = add_command(app);
+            commands[app.get_subcommands({}).back()->get_name()] = std::move(command);
+        }
+        try {
+            app.parse(argc, argv);
+        } catch (const CLI::ParseError& wrong) {
+            error = wrong;
+        }
+    }
+};
+
+/// Runs the command that the arguments name. Returns the exit status, the same on all ranks. Only
+/// rank 0 prints.
+int run(CommandLine& line, std::span<char* const> words, World& world)
 {
-    const std::span words(argv, static_cast<std::size_t>(argc));
-    if (const Status same = check_arguments(words.subspan(1), world); !same) {
+    if (const Status same = check_arguments(words, world); !same) {
         if (world.rank() == 0) {
             std::fprintf(stderr, "proxima-mpi: %s\n", describe(same.error()).c_str());
         }
         return 2;
     }
-    constexpr AddCommand add_commands[] = {add_octree_command, add_closest_command,
-                                           add_rays_command, add_sign_command};
-    CLI::App app("Octrees of triangle meshes, and queries, over several processes");
-    app.set_version_flag("--version", "proxima-mpi " PROXIMA_VERSION);
-    app.require_subcommand(1);
-    app.fallthrough(); // of the subcommands below
-    bool shows_progress = false;
-    app.add_flag("--progress", shows_progress, "Show the first process's progress on stderr");
-    std::map<std::string, RunCommand> commands;
-    for (const AddCommand add_command : add_commands) {
-        RunCommand command = add_command(app);
-        commands[app.get_subcommands({}).back()->get_name()] = std::move(command);
-    }
-    try {
-        app.parse(argc, argv);
-    } catch (const CLI::ParseError& error) {
-        if (world.rank() != 0) return error.get_exit_code() == 0 ? 0 : 2;
-        return app.exit(error) == 0 ? 0 : 2;
+    if (line.error) {
+        const bool is_help = line.error->get_exit_code() == 0;
+        if (world.rank() == 0) line.app.exit(*line.error);
+        return is_help ? 0 : 2;
     }
     const InterruptGuard guard(world.progress());
     Status status;
     {
-        const bool is_shown = world.rank() == 0 && shows_progress;
+        const bool is_shown = world.rank() == 0 && line.shows_progress;
         const ProgressBar bar(world.progress(), is_shown ? BarMode::lines : BarMode::off);
-        status = commands.at(app.get_subcommands().front()->get_name())(world);
+        status = line.commands.at(line.app.get_subcommands().front()->get_name())(world);
     }
     if (status) return 0;
     if (world.rank() == 0) {
@@ -123,6 +145,17 @@ void name_errors_of_mpi()
     MPI_Errhandler_free(&handler); // the communicator keeps it
 }
 
+/// Arrays of a rank's triangles are made, sent and dropped one after the other: the system need not
+/// clear the memory of those below 32 MB for each again.
+void keep_freed_memory()
+{
+#ifdef __GLIBC__
+    constexpr int kept_bytes = 32 << 20;
+    mallopt(M_MMAP_THRESHOLD, kept_bytes);
+    mallopt(M_TRIM_THRESHOLD, 2 * kept_bytes);
+#endif
+}
+
 void start_p4est()
 {
     sc_init(MPI_COMM_WORLD, 0, 0, nullptr, SC_LP_ERROR);
@@ -139,13 +172,16 @@ void start_p4est()
 
 int main(int argc, char** argv)
 {
+    proxima::keep_freed_memory();
     MPI_Init(&argc, &argv);
     proxima::name_errors_of_mpi();
     int exit_status = 1;
     try {
-        proxima::World world;
+        proxima::CommandLine line(argc, argv);
+        proxima::World world(line.wait_seconds);
         proxima::start_p4est();
-        exit_status = proxima::run(argc, argv, world);
+        const std::span words(argv, static_cast<std::size_t>(argc));
+        exit_status = proxima::run(line, words.subspan(1), world);
     } catch (const std::bad_alloc&) {
         proxima::stop_all("memory ran out: use more machines, or fewer ranks on each");
     } catch (const std::exception& error) {

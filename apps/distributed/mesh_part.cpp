@@ -76,6 +76,18 @@ PartMessages pack(const MeshSlice& slice, const SliceFeatures& features,
     LocalNumbers edges(features.edges.size());
     for (std::size_t r = 0; r < ranks; ++r) {
         for (const std::uint32_t t : ids[r]) {
+            for (const std::uint32_t vertex : slice.mesh.triangles()[t]) vertices.add(vertex);
+            for (const EdgeId edge : features.triangle_edges[t])
+                if (edge != no_edge) edges.add(to_index(edge));
+        }
+        messages.vertices[r].reserve(vertices.number());
+        vertices.each([&](std::uint32_t vertex) {
+            const Vec3& at = slice.mesh.positions()[vertex];
+            messages.vertices[r].push_back({features.vertices[vertex], {at[0], at[1], at[2]}});
+        });
+        messages.edges[r].reserve(edges.number());
+        edges.each([&](std::uint32_t edge) { messages.edges[r].push_back(features.edges[edge]); });
+        for (const std::uint32_t t : ids[r]) {
             SentTriangle& sent = messages.triangles[r].emplace_back();
             sent.id = slice.first_triangle + t;
             for (std::size_t k = 0; k < 3; ++k) {
@@ -84,12 +96,8 @@ PartMessages pack(const MeshSlice& slice, const SliceFeatures& features,
                 sent.edges[k] = edge == no_edge ? to_index(edge) : edges.number_of(to_index(edge));
             }
         }
-        for (const std::uint32_t vertex : vertices.take()) {
-            const Vec3& at = slice.mesh.positions()[vertex];
-            messages.vertices[r].push_back({features.vertices[vertex], {at[0], at[1], at[2]}});
-        }
-        for (const std::uint32_t edge : edges.take())
-            messages.edges[r].push_back(features.edges[edge]);
+        vertices.clear();
+        edges.clear();
     }
     return messages;
 }

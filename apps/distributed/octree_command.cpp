@@ -31,11 +31,8 @@ bool is_octree_file(const std::string& model) noexcept
 }
 
 /// Figures of the whole octree, as octree_statistics has them of one. Collective.
-OctreeStatistics whole_statistics(const Octree& octree, const std::vector<Cell>& cells,
-                                  const World& world)
+OctreeStatistics whole_statistics(const LeafCounter& counter, const World& world)
 {
-    LeafCounter counter;
-    for (const Cell& cell : cells) traverse_below(octree, cell, counter);
     const OctreeStatistics& own = counter.statistics;
     OctreeStatistics whole;
     whole.leaves = world.sum(own.leaves);
@@ -60,20 +57,23 @@ OctreeStatistics whole_statistics(const Octree& octree, const std::vector<Cell>&
 }
 
 /// What each rank has. Collective.
-std::string ranks_text(const OctreePart& part, const World& world)
+std::string ranks_text(const OctreePart& part, const LeafCounter& counter, const World& world)
 {
     const auto triangles = world.gather(part.triangles.size());
     const auto cells = world.gather(part.cells.size());
+    const auto leaves = world.gather(counter.statistics.leaves);
+    const auto pairs = world.gather(part.split_pairs);
     const auto references = world.gather(part.octree.references().size());
     const auto sent = world.gather(world.sent_bytes());
     const auto messages = world.gather(world.sent_messages());
     const auto work = world.gather(static_cast<std::uint64_t>(1e6 * part.work_seconds));
     const auto peak = world.gather(peak_megabytes());
-    TextTable table(
-        {"Rank", "Cells", "Triangles", "Pointers", "Work us", "Messages", "Bytes sent", "Peak MB"});
+    TextTable table({"Rank", "Cells", "Triangles", "Leaves", "Pairs split", "Pointers", "Work us",
+                     "Messages", "Bytes sent", "Peak MB"});
     for (std::size_t r = 0; r < triangles.size(); ++r) {
-        table.add_row({to_text(r), to_text(cells[r]), to_text(triangles[r]), to_text(references[r]),
-                       to_text(work[r]), to_text(messages[r]), to_text(sent[r]), to_text(peak[r])});
+        table.add_row({to_text(r), to_text(cells[r]), to_text(triangles[r]), to_text(leaves[r]),
+                       to_text(pairs[r]), to_text(references[r]), to_text(work[r]),
+                       to_text(messages[r]), to_text(sent[r]), to_text(peak[r])});
     }
     return table.text();
 }
@@ -120,6 +120,7 @@ Result<OctreePart> build_part(MeshSlice slice, const OctreeFrame& frame,
     OctreePart part;
     part.cells = std::move(grown.cells);
     part.upper_records = grown.upper_records;
+    part.split_pairs = grown.split_pairs;
     const auto arrays = std::make_shared<OctreeOutput>(std::move(grown.arrays));
     part.octree =
         Octree::adopt(frame, classified(parameters, *summary), routed->mesh.triangle_count(),
@@ -174,8 +175,10 @@ Status run_octree(const OctreeRunOptions& options, World& world)
         const Status exported = export_part(*part, options.out, world);
         if (!exported) return exported;
     }
-    const OctreeStatistics statistics = whole_statistics(part->octree, part->cells, world);
-    const std::string ranks = ranks_text(*part, world);
+    LeafCounter counter;
+    for (const Cell& cell : part->cells) traverse_below(part->octree, cell, counter);
+    const OctreeStatistics statistics = whole_statistics(counter, world);
+    const std::string ranks = ranks_text(*part, counter, world);
     if (world.rank() == 0) {
         fmt::print("{}\n\n{}\n{}", line, statistics_text(part->octree.parameters(), statistics),
                    ranks);

@@ -15,6 +15,7 @@ struct OctreePart {
     std::uint32_t upper_records = 0;
     std::vector<Cell> cells;           ///< this rank's, in Morton order
     std::uint64_t whole_triangles = 0; ///< of the whole mesh
+    std::uint64_t split_pairs = 0; ///< as GrownPart::split_pairs; 0 of an octree that was loaded
     double work_seconds = 0; ///< processor time to build or load it, without messages and waiting
     std::vector<std::uint64_t> triangles; ///< the whole mesh's id of each; none: lists have those
 

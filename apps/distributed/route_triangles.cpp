@@ -16,10 +16,13 @@ namespace proxima {
 namespace {
 
 struct RoutedTriangle {
-    std::uint64_t id = 0;
+    std::uint32_t id = 0;         ///< in the sender's slice, and is_counted_here
     TriangleCorners corners = {}; ///< among the vertices of the same sender
-    std::uint32_t is_counted = 0; ///< 1 on the first rank that the triangle goes to
 };
+
+/// A bit of RoutedTriangle::id, set on the first rank that the triangle goes to.
+constexpr std::uint32_t is_counted_here = 1U << 31U;
+static_assert(max_slice_triangles <= is_counted_here);
 
 using Position = std::array<double, 3>;
 
@@ -87,41 +90,18 @@ struct Messages {
     explicit Messages(std::size_t ranks) : triangles(ranks), vertices(ranks), bins(ranks) {}
 };
 
-/// Which ranks get which triangles and bins of a slice.
-struct Owners {
-    std::vector<std::vector<std::uint32_t>> triangles; ///< by rank, ascending
-    std::vector<std::size_t>
-        end; ///< of the rank's bins, which begin where those of a rank before end
-};
-
-Owners find_owners(const CoarseBins& bins, const RoutedForest& forest, std::size_t triangle_count,
-                   std::size_t ranks)
+/// Ends of the bins that each rank gets, which begin where those of a rank before end: owners of cells
+/// in Morton order ascend.
+std::vector<std::size_t> ends_of_owners(const CoarseBins& bins, const RoutedForest& forest,
+                                        std::size_t ranks)
 {
-    struct Passed {
-        std::uint32_t triangle;
-        std::uint32_t owner;
-    };
-    Owners owners{std::vector<std::vector<std::uint32_t>>(ranks), std::vector<std::size_t>(ranks)};
-    // Owners of cells in Morton order ascend, so that a triangle's last one tells repeats.
-    std::vector<std::uint32_t> last_owner(triangle_count, none);
-    std::vector<Passed> earlier;
+    std::vector<std::size_t> ends(ranks);
     for (std::size_t bin = 0; bin < bins.cell_count(); ++bin) {
         if (bins.count(bin) == 0) continue;
-        const auto owner = static_cast<std::uint32_t>(forest.owner(bin, bins.depth));
-        owners.end[owner] = bin + 1;
-        for (const std::uint32_t id : bins.triangles(bin)) {
-            const std::uint32_t last = std::exchange(last_owner[id], owner);
-            if (last != none && last != owner) earlier.push_back({id, last});
-        }
+        ends[static_cast<std::size_t>(forest.owner(bin, bins.depth))] = bin + 1;
     }
-    std::ranges::stable_sort(earlier, {}, &Passed::triangle);
-    auto next = earlier.begin();
-    for (std::uint32_t id = 0; id < triangle_count; ++id) {
-        for (; next != earlier.end() && next->triangle == id; ++next)
-            owners.triangles[next->owner].push_back(id);
-        if (last_owner[id] != none) owners.triangles[last_owner[id]].push_back(id);
-    }
-    return owners;
+    for (std::size_t r = 1; r < ranks; ++r) ends[r] = std::max(ends[r], ends[r - 1]);
+    return ends;
 }
 
 /// Packs what one rank after the other gets of a slice.
@@ -132,28 +112,48 @@ public:
           triangle_numbers_(slice.mesh.triangle_count()), vertex_numbers_(slice.mesh.vertex_count())
     {}
 
-    void pack(const std::vector<std::uint32_t>& ids, std::vector<RoutedTriangle>& triangles,
-              std::vector<Position>& vertices)
+    /// What a rank gets of the bins [first, end).
+    void pack(const CoarseBins& bins, std::size_t first, std::size_t end, std::size_t rank,
+              Messages& messages)
     {
-        triangles.reserve(ids.size());
-        for (const std::uint32_t id : ids) {
-            (void)triangle_numbers_.number_of(id);
-            RoutedTriangle& triangle = triangles.emplace_back();
-            triangle.id = slice_.first_triangle + id;
-            triangle.is_counted = is_packed_[id] ? 0 : 1;
+        const std::size_t pairs = bins.first[end] - bins.first[first];
+        for (const std::uint32_t id : bins.ids.span().subspan(bins.first[first], pairs))
+            triangle_numbers_.add(id);
+        const std::uint32_t triangle_count = triangle_numbers_.number();
+        pack_vertices(messages.vertices[rank]);
+        pack_triangles(triangle_count, messages.triangles[rank]);
+        pack_bins(bins, first, end, messages.bins[rank]);
+        triangle_numbers_.clear();
+        vertex_numbers_.clear();
+    }
+
+private:
+    void pack_vertices(std::vector<Position>& vertices)
+    {
+        triangle_numbers_.each([&](std::uint32_t id) {
+            for (const std::uint32_t corner : slice_.mesh.triangles()[id])
+                vertex_numbers_.add(corner);
+        });
+        vertices.reserve(vertex_numbers_.number());
+        vertex_numbers_.each([&](std::uint32_t vertex) {
+            const Vec3& at = slice_.mesh.positions()[vertex];
+            vertices.push_back({at[0], at[1], at[2]});
+        });
+    }
+
+    void pack_triangles(std::size_t count, std::vector<RoutedTriangle>& triangles)
+    {
+        triangles.resize(count);
+        auto next = triangles.begin();
+        triangle_numbers_.each([&](std::uint32_t id) {
+            RoutedTriangle& triangle = *next++;
+            triangle.id = is_packed_[id] ? id : id | is_counted_here;
             is_packed_[id] = true;
             for (std::size_t k = 0; k < 3; ++k)
                 triangle.corners[k] = vertex_numbers_.number_of(slice_.mesh.triangles()[id][k]);
-        }
-        const std::vector<std::uint32_t> used = vertex_numbers_.take();
-        vertices.reserve(used.size());
-        for (const std::uint32_t vertex : used) {
-            const Vec3& at = slice_.mesh.positions()[vertex];
-            vertices.push_back({at[0], at[1], at[2]});
-        }
+        });
     }
 
-    /// \pre all triangles of the bins were packed since the last call
     void pack_bins(const CoarseBins& bins, std::size_t first, std::size_t end,
                    std::vector<std::uint32_t>& packed)
     {
@@ -167,38 +167,36 @@ public:
             for (const std::uint32_t id : bins.triangles(bin))
                 packed.push_back(triangle_numbers_.number_of(id));
         }
-        (void)triangle_numbers_.take();
     }
 
-private:
     const MeshSlice& slice_;
     std::vector<bool> is_packed_;   ///< for an earlier rank
     LocalNumbers triangle_numbers_; ///< in the rank's message
-    LocalNumbers vertex_numbers_;
+    LocalNumbers vertex_numbers_;   ///< likewise
 };
 
 Result<Messages> pack_all(const MeshSlice& slice, const CoarseBins& bins,
                           const RoutedForest& forest, std::size_t ranks, Progress* progress)
 {
-    Owners owners = find_owners(bins, forest, slice.mesh.triangle_count(), ranks);
+    const std::vector<std::size_t> ends = ends_of_owners(bins, forest, ranks);
     Messages messages(ranks);
     Packer packer(slice);
     StageSteps steps(progress, "packing", bins.ids.size());
     std::size_t first = 0;
     for (std::size_t r = 0; r < ranks; ++r) {
-        const std::size_t end = std::max(first, owners.end[r]);
-        packer.pack(owners.triangles[r], messages.triangles[r], messages.vertices[r]);
-        packer.pack_bins(bins, first, end, messages.bins[r]);
-        std::vector<std::uint32_t>().swap(owners.triangles[r]);
-        if (!steps.done(bins.first[end] - bins.first[first])) return cancelled("routing triangles");
-        first = end;
+        packer.pack(bins, first, ends[r], r, messages);
+        if (!steps.done(bins.first[ends[r]] - bins.first[first]))
+            return cancelled("routing triangles");
+        first = ends[r];
     }
     return messages;
 }
 
+/// Of a mesh of so many triangles.
 Status unpack(const Received<RoutedTriangle>& triangles, const Received<Position>& vertices,
-              RoutedPart& part)
+              std::uint64_t whole_triangles, RoutedPart& part)
 {
+    const auto ranks = static_cast<int>(triangles.first.size() - 1);
     std::vector<Vec3> positions;
     positions.reserve(vertices.items.size());
     for (const Position& at : vertices.items) positions.emplace_back(at[0], at[1], at[2]);
@@ -206,11 +204,12 @@ Status unpack(const Received<RoutedTriangle>& triangles, const Received<Position
     corners.reserve(triangles.items.size());
     part.triangles.reserve(triangles.items.size());
     for (std::size_t r = 0; r + 1 < triangles.first.size(); ++r) {
+        const std::uint64_t first = share_of(whole_triangles, static_cast<int>(r), ranks).first;
         const auto shift = static_cast<std::uint32_t>(vertices.first[r]);
         for (std::size_t i = triangles.first[r]; i < triangles.first[r + 1]; ++i) {
             const RoutedTriangle& triangle = triangles.items[i];
-            part.triangles.push_back(triangle.id);
-            part.is_counted.push_back(triangle.is_counted != 0);
+            part.triangles.push_back(first + (triangle.id & ~is_counted_here));
+            part.is_counted.push_back((triangle.id & is_counted_here) != 0);
             corners.push_back({triangle.corners[0] + shift, triangle.corners[1] + shift,
                                triangle.corners[2] + shift});
         }
@@ -291,6 +290,7 @@ Result<RoutedPart> route_triangles(MeshSlice slice, const OctreeFrame& frame,
     status = forest->build(counts, options.threshold, world);
     if (!status) return tl::unexpected(status.error());
 
+    const std::uint64_t whole_triangles = slice.whole_triangles;
     Messages messages(0);
     status = world.agree_on([&]() -> Status {
         auto packed =
@@ -310,7 +310,7 @@ Result<RoutedPart> route_triangles(MeshSlice slice, const OctreeFrame& frame,
     if (!listed) return tl::unexpected(listed.error());
     RoutedPart part;
     status = world.agree_on([&]() -> Status {
-        auto unpacked = unpack(*triangles, *vertices, part);
+        auto unpacked = unpack(*triangles, *vertices, whole_triangles, part);
         if (!unpacked) return unpacked;
         const std::vector<std::size_t> first = std::move(triangles->first);
         *triangles = {};

@@ -7,13 +7,12 @@
 
 namespace proxima {
 
-World::World()
+World::World(double seconds)
 {
     MPI_Comm_rank(MPI_COMM_WORLD, &rank_);
     MPI_Comm_size(MPI_COMM_WORLD, &size_);
     // Where memory ran out in MPI_Init, Open MPI may go on with ranks that listen where others do not
     // send: each would wait for ever.
-    constexpr double seconds = 30;
     // Static: where this throws, the request still has them.
     static const std::vector<int> sent(static_cast<std::size_t>(size_));
     static std::vector<int> received(sent.size());

@@ -31,8 +31,8 @@ struct Received {
 /// ranks call it in the same order.
 class World {
 public:
-    /// Throws std::runtime_error where the ranks cannot reach each other within half a minute.
-    World();
+    /// Throws std::runtime_error where the ranks cannot reach each other within these seconds.
+    explicit World(double seconds);
 
     // Not collective.
     [[nodiscard]] int rank() const noexcept { return rank_; }

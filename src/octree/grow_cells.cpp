@@ -219,6 +219,7 @@ Result<GrownPart> grow_unguarded(const TriangleMesh& mesh, const OctreeFrame& fr
         advance_stage(progress, cell.triangles.size());
         if (is_cancelled(progress)) return cancelled("growing cells");
     }
+    grown.split_pairs = grower.split_pairs();
     output.nodes.shrink_to_fit();
     output.references.shrink_to_fit();
     return grown;

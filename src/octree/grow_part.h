@@ -22,6 +22,7 @@ struct GrownPart {
     std::vector<Cell> cells; ///< as GrownCells::cells
     /// Records before it are those of the cells and of what is above them, the others are below.
     std::uint32_t upper_records = 0;
+    std::uint64_t split_pairs = 0; ///< of a triangle and a cell that was split
 };
 
 /// As grow_cells.

@@ -68,6 +68,7 @@ Result<OctreeNode> SubtreeGrower::grow(const Subtree& subtree, ChildTest& test,
         if (is_cancelled(limits_.progress)) {
             return cancelled("building the octree");
         }
+        split_pairs_ += level_.pair_count;
         masks_.resize(level_.pair_count + lane_padding);
         test.find_touched(level_, depth, masks_.data());
         const std::uint64_t children = count_children(masks_.data(), level_.pair_count);

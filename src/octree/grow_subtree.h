@@ -57,6 +57,9 @@ public:
     [[nodiscard]] Result<OctreeNode> grow(const Subtree& subtree, ChildTest& test,
                                           OctreeOutput& output);
 
+    /// Pairs of a triangle and a cell that were split so far.
+    [[nodiscard]] std::uint64_t split_pairs() const noexcept { return split_pairs_; }
+
 private:
     [[nodiscard]] Status reserve(std::uint64_t children, const OctreeOutput& output);
 
@@ -65,6 +68,7 @@ private:
     SplitLevel next_;
     GrowBuffer<std::uint32_t> masks_;
     std::uint64_t counted_bytes_ = 0;
+    std::uint64_t split_pairs_ = 0;
 };
 
 } // namespace proxima

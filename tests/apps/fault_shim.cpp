@@ -2,6 +2,8 @@
 // heap fail, or kills the program there. Counting begins with main and ends with it.
 //
 //     FAULT_CALL    allocate | new (of C++ alone) | open | write | fsync | close | rename
+//                   reach (the first message of proxima-mpi: its process then waits for ever) |
+//                   reduce (of MPI: it gets a wrong argument)
 //     FAULT_AT      which of these calls, from 1; 0 or nothing: none
 //     FAULT_ACTION  fail (no memory, or a full disk) | kill
 //     FAULT_COUNT   a file that is written at the end: how many such calls there were
@@ -22,7 +24,7 @@
 
 namespace {
 
-enum class Call { none, allocate, create, open, write, fsync, close, rename };
+enum class Call { none, allocate, create, open, write, fsync, close, rename, reach, reduce };
 
 struct Plan {
     Call call = Call::none;
@@ -51,6 +53,8 @@ void read_plan()
                 : is(call, "fsync")  ? Call::fsync
                 : is(call, "close")  ? Call::close
                 : is(call, "rename") ? Call::rename
+                : is(call, "reach")  ? Call::reach
+                : is(call, "reduce") ? Call::reduce
                                      : Call::none;
     plan.at = at == nullptr ? 0 : std::atol(at);
     plan.kills = is(std::getenv("FAULT_ACTION"), "kill");
@@ -203,6 +207,25 @@ int close(int file)
 int rename(const char* from, const char* to) noexcept
 {
     return fails(Call::rename) ? full_disk() : static_cast<int>(::syscall(SYS_rename, from, to));
+}
+
+// Open MPI's handles are pointers.
+
+int MPI_Ialltoall(const void* sent, int sent_count, void* sent_type, void* received,
+                  int received_count, void* received_type, void* ranks, void* request)
+{
+    if (fails(Call::reach)) {
+        for (;;) ::pause();
+    }
+    return next<decltype(MPI_Ialltoall)>("MPI_Ialltoall")(
+        sent, sent_count, sent_type, received, received_count, received_type, ranks, request);
+}
+
+int MPI_Allreduce(const void* sent, void* received, int count, void* type, void* operation,
+                  void* ranks)
+{
+    return next<decltype(MPI_Allreduce)>("MPI_Allreduce")(
+        sent, received, fails(Call::reduce) ? -1 : count, type, operation, ranks);
 }
 
 int __libc_start_main(int (*main)(int, char**, char**), int count, char** arguments,

@@ -5,7 +5,7 @@ import signal
 import subprocess
 import unittest
 
-from mpi_program import SECONDS, DistributedTest, command, faulty, messages, ranks_of
+from mpi_program import SECONDS, DistributedTest, command, faulty, messages, ranks_of, run
 
 SEED = int(os.environ.get("SEED", random.randrange(1 << 30)))
 
@@ -47,6 +47,29 @@ class Stopping(DistributedTest):
         self.assertEqual(process.returncode, 128 + signal.SIGKILL)
         self.assertIn("signal 9", errors)
         self.assertEqual(out.count("triangles,"), 0)
+
+
+class Reaching(DistributedTest):
+    def expect_line(self, result, says):
+        self.assertEqual(result.returncode, 1, result.stderr)
+        self.assertEqual(len(messages(result.stderr)), 1, result.stderr)
+        self.assertIn(says, messages(result.stderr)[0])
+        self.assertEqual(result.stdout.count("triangles,"), 0)
+
+    def test_a_rank_that_never_answers(self):
+        result = faulty("reach", "fail", "octree", "torus:9x9", "--wait", 0.5, ranks=2, rank=1)
+        self.expect_line(result, "rank 0 stopped: it cannot reach all other ranks")
+
+    def test_what_mpi_refuses(self):
+        for rank, at in ((0, 1), (1, 4)):
+            result = faulty("reduce", "fail", "octree", "torus:9x9", ranks=2, rank=rank, at=at)
+            self.expect_line(result, f"rank {rank} stopped: MPI_ERR_COUNT")
+
+    def test_times_to_wait_that_are_none(self):
+        for text in ("0", "-1", "nan", "soon"):
+            result = run(2, "octree", "torus:9x9", "--wait", text)
+            self.assertEqual(result.returncode, 2, f"{text}: {result.stderr}")
+            self.assertEqual(result.stderr.count("--wait"), 1, result.stderr)
 
 
 class Memory(DistributedTest):

@@ -79,6 +79,16 @@ class DistributedTest(unittest.TestCase):
         path.write_bytes(content)
         return path
 
+    def refuse_each(self, *jobs, ranks=3):
+        """Runs that end with one message: each is a list of arguments, and parts of the message."""
+        for (arguments, *says), result in zip(jobs, run_each((ranks, *job[0]) for job in jobs)):
+            self.assertEqual(result.returncode, 1, f"{arguments}: {result.stderr}")
+            self.assertEqual(result.stdout.count("triangles,"), 0)
+            self.assertNotIn("mca_", result.stderr)
+            self.assertEqual(len(messages(result.stderr)), 1, f"{arguments}: {result.stderr}")
+            for part in says:
+                self.assertIn(part, messages(result.stderr)[0])
+
     def proxima(self, *arguments):
         result = subprocess.run([PROXIMA, *map(str, arguments)], capture_output=True, text=True)
         self.assertEqual(result.returncode, 0, result.stderr)

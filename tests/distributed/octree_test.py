@@ -57,6 +57,16 @@ class Octree(DistributedTest):
         text = self.expect_same(path, "--depth", 7, "--routing-depth", 7, "--threshold", 8, ranks=(2,))
         self.assertLess(sum(row["Bytes sent"] for row in self.rank_rows(text, 2)), 1_000_000, f"seed {SEED}")
 
+    def test_pairs_that_ranks_split(self):
+        """Without a threshold every triangle of an occupied cell goes on to the next level: what is split is in the leaves of the levels above."""
+        depths = (3, 4, 5)
+        results = run_each((2, "octree", "torus:30x20", "--threshold", 0, "--routing-depth", 3, "--depth", depth) for depth in depths)
+        rows = [self.rank_rows(result.stdout, 2) for result in results]
+        pairs, pointers = ([sum(row[name] for row in ranks) for ranks in rows] for name in ("Pairs split", "Pointers"))
+        self.assertEqual(pairs, [0, pointers[0], pointers[0] + pointers[1]])
+        leaves = [int(line.split()[3]) for line in results[2].stdout.splitlines() if line.split()[:2] == ["5", "0"]]
+        self.assertEqual([sum(row["Leaves"] for row in rows[2])], leaves)
+
     def test_statistics_are_those_of_the_program(self):
         options = ["--depth", 7, "--threshold", 8]
         one = subprocess.run([PROXIMA, "octree", "torus:200x100", *map(str, options)], capture_output=True, text=True, check=True).stdout
@@ -65,52 +75,36 @@ class Octree(DistributedTest):
 
 
 class Errors(DistributedTest):
-    def refuse(self, content, *says, name="mesh.ply", ranks=3):
-        path = self.file(name, content)
-        result = run(ranks, "octree", path)
-        self.assertEqual(result.returncode, 1, result.stderr)
-        self.assertEqual(result.stdout.count("triangles,"), 0)
-        lines = messages(result.stderr)
-        self.assertEqual(len(lines), 1, result.stderr)
-        for part in says:
-            self.assertIn(part, lines[0])
+    def octree_of(self, name, content):
+        return ["octree", self.file(name, content)]
 
     def test_a_cut_file(self):
         whole = ply(*nasty_mesh(1))
-        for length in (0, 3, 50, 200, len(whole) // 2, len(whole) - 1):
-            self.refuse(whole[:length], "mesh.ply" if length > 0 else "")
-        self.refuse(whole[:-1], "cut off")
-        self.refuse(whole + b"x", "bytes")
+        jobs = [[self.octree_of(f"cut_{length}.ply", whole[:length]), f"cut_{length}.ply"] for length in (0, 3, 50, 200, len(whole) // 2, len(whole) - 1)]
+        jobs[-1].append("cut off")
+        self.refuse_each(*jobs, [self.octree_of("more.ply", whole + b"x"), "bytes"])
 
     def test_files_that_are_not_of_triangles(self):
         positions, triangles = nasty_mesh(3)
-        bad = bytearray(ply(positions, triangles))
-        bad[-4:] = struct.pack("<i", len(positions))
-        self.refuse(bytes(bad), f"uses vertex {len(positions)}")
-        bad = bytearray(ply(positions, triangles))
-        bad[-13] = 4
-        self.refuse(bytes(bad), "4 corners")
+        whole = ply(positions, triangles)
+        beyond, four = bytearray(whole), bytearray(whole)
+        beyond[-4:] = struct.pack("<i", len(positions))
+        four[-13] = 4
+        jobs = [[self.octree_of("beyond.ply", beyond), f"uses vertex {len(positions)}"], [self.octree_of("four.ply", four), "4 corners"]]
         positions[triangles[-1][0]] = [float("nan"), 0, 0]
-        self.refuse(ply(positions, triangles), "mesh.ply", "NaN")
+        self.refuse_each(*jobs, [self.octree_of("nan.ply", ply(positions, triangles)), "nan.ply", "NaN"])
 
     def test_files_that_are_not_there_or_of_another_kind(self):
-        result = run(2, "octree", self.folder / "none.ply")
-        self.assertEqual(result.returncode, 1)
-        self.assertEqual(result.stderr.count("proxima-mpi: "), 1, result.stderr)
-        self.refuse(b"", "torus:NxM", name="mesh.obj")
+        jobs = [[["octree", self.folder / "none.ply"], "none.ply"], [self.octree_of("mesh.obj", b""), "torus:NxM"]]
         for name, options in (("dir.ply", []), ("dir.pxo", []), ("dir.npy", ["--triangles", self.folder / "dir.npy"])):
             (self.folder / name).mkdir()
-            result = run(2, "octree", self.folder / name, *options)
-            self.assertEqual(result.returncode, 1, result.stderr)
-            self.assertNotIn("mca_", result.stderr)
-            self.assertRegex(messages(result.stderr)[0], f"{name}: .*folder")
+            jobs.append([["octree", self.folder / name, *options], f"{name}: ", "folder"])
+        self.refuse_each(*jobs, ranks=2)
 
     def test_triangles_beside_another_model(self):
         triangles = self.file("triangles.npy", npy([[0, 1, 2]], "<i4", "i"))
-        for model in (self.file("mesh.ply", ply(*nasty_mesh(1))), "torus:9x9"):
-            result = run(2, "octree", model, "--triangles", triangles)
-            self.assertEqual(result.returncode, 1, result.stderr)
-            self.assertIn(f"{model}: --triangles goes with vertices in a .npy file", messages(result.stderr)[0])
+        models = self.file("mesh.ply", ply(*nasty_mesh(1))), "torus:9x9"
+        self.refuse_each(*([["octree", model, "--triangles", triangles], f"{model}: --triangles goes with vertices in a .npy file"] for model in models), ranks=2)
 
     def expect_different(self, name, contents, *arguments):
         folders = [self.folder / str(rank) for rank in range(len(contents))]
@@ -158,8 +152,7 @@ class Errors(DistributedTest):
         self.assertIn("rank 1 has other arguments than rank 0, octree b.ply", messages(result.stderr)[0])
 
     def test_wrong_usage(self):
-        for arguments in (["--depth", "19"], ["--routing-depth", "8"], ["--threshold", "-1"]):
-            result = run(2, "octree", "torus:9x9", *arguments)
+        for result in run_each((2, "octree", "torus:9x9", *arguments) for arguments in (["--depth", "19"], ["--routing-depth", "8"], ["--threshold", "-1"])):
             self.assertEqual(result.returncode, 2, result.stderr)
 
 
@@ -169,47 +162,38 @@ class Saving(DistributedTest):
     def expect_round_trip(self, model, *options):
         one = self.folder / "one.pxo"
         expected = self.figures(self.proxima("octree", model, *options, "--save", one))
-        for ranks in (1, 3):
-            file = self.folder / f"by_{ranks}.pxo"
-            result = run(ranks, "octree", model, *options, "--save", file)
+        files = {ranks: self.folder / f"by_{ranks}.pxo" for ranks in (1, 3)}
+        for file, result in zip(files.values(), run_each((ranks, "octree", model, *options, "--save", file) for ranks, file in files.items())):
             self.assertEqual(result.returncode, 0, result.stderr)
             self.assertEqual(self.figures(result.stdout), expected)
             self.assertIn("every invariant holds against", self.proxima("check", file, "--mesh", model, "--strict"))
             self.assertEqual(self.figures(self.proxima("octree", file)), expected)
             self.assertEqual(file.stat().st_size, one.stat().st_size)
-        for ranks, file in ((2, self.folder / "by_3.pxo"), (4, self.folder / "by_1.pxo"), (3, one)):
-            again = self.folder / "again.pxo"
-            result = run(ranks, "octree", file, "--save", again, "--routing-depth", ranks)
+        again = {ranks: self.folder / f"again_{ranks}.pxo" for ranks in (2, 4, 3)}
+        jobs = [(ranks, "octree", file, "--save", again[ranks], "--routing-depth", ranks) for ranks, file in zip(again, (files[3], files[1], one))]
+        for (ranks, file), result in zip(again.items(), run_each(jobs)):
             self.assertEqual(result.returncode, 0, result.stderr)
             self.assertGreater(max(row["Work us"] for row in self.rank_rows(result.stdout, ranks)), 0)
             self.assertEqual(self.figures(result.stdout), expected)
-            self.assertIn("every invariant holds against", self.proxima("check", again, "--mesh", model, "--strict"))
+            self.assertIn("every invariant holds against", self.proxima("check", file, "--mesh", model, "--strict"))
 
     def test_files_of_other_numbers_of_ranks(self):
         self.expect_round_trip("torus:100x60", "--depth", 6, "--threshold", 4)
         self.expect_round_trip("torus:9x9", "--depth", 0)
         self.expect_round_trip(self.file("surfaces.ply", ply(*surfaces(1))), "--depth", 6, "--threshold", 1)
 
-    def refuse(self, path, *says):
-        result = run(3, "octree", path)
-        self.assertEqual(result.returncode, 1, result.stderr)
-        self.assertEqual(len(messages(result.stderr)), 1, result.stderr)
-        for part in (path.name, *says):
-            self.assertIn(part, messages(result.stderr)[0])
-
     def test_damaged_files(self):
         good = self.folder / "good.pxo"
         self.proxima("octree", "torus:40x20", "--depth", 5, "--save", good)
         content = good.read_bytes()
-        for length in (0, 7, 39, 200, len(content) // 2, len(content) - 1):
-            self.refuse(self.file("cut.pxo", content[:length]))
+        files = [self.file(f"cut_{length}.pxo", content[:length]) for length in (0, 7, 39, 200, len(content) // 2, len(content) - 1)]
         chance = random.Random(5)
-        for _ in range(4):
+        for number in range(4):
             bad = bytearray(content)
             bad[chance.randrange(len(bad))] ^= 1 << chance.randrange(8)
-            self.refuse(self.file("flipped.pxo", bytes(bad)))
+            files.append(self.file(f"flipped_{number}.pxo", bad))
         self.proxima("octree", "torus:40x20", "--depth", 3, "--uniform", "--save", good)
-        self.refuse(good, "uniform")
+        self.refuse_each(*([["octree", file], file.name] for file in files), [["octree", good], "good.pxo", "uniform"])
 
     def test_a_full_disk_keeps_the_old_file(self):
         file = self.file("old.pxo", b"old")
@@ -262,27 +246,25 @@ class Arrays(DistributedTest):
             self.assertEqual(self.figures(result.stdout), expected)
             self.assertIn("every invariant holds against", self.proxima("check", saved, "--mesh", mesh))
 
-    def refuse(self, vertices, triangles, *says):
-        result = run(3, "octree", self.file("vertices.npy", vertices), "--triangles", self.file("triangles.npy", triangles))
-        self.assertEqual(result.returncode, 1, result.stderr)
-        self.assertEqual(len(messages(result.stderr)), 1, result.stderr)
-        for part in says:
-            self.assertIn(part, messages(result.stderr)[0])
-
     def test_arrays_that_are_no_mesh(self):
         positions, triangles = shell(random.Random(1), [0, 0, 0], 1, 5)
         vertices, corners = npy(positions, "<f8", "d"), npy(triangles, "<i4", "i")
-        self.refuse(vertices[:-1], corners, "vertices.npy", "cut off")
-        self.refuse(vertices, corners[:-1], "triangles.npy", "cut off")
-        self.refuse(vertices[:60], corners, "vertices.npy")
-        self.refuse(b"", corners)
-        self.refuse(corners, corners, "vertices.npy", "real numbers")
-        self.refuse(vertices, vertices, "triangles.npy", "whole numbers")
-        self.refuse(vertices, npy([], "<i4", "i"), "no triangles")
-        self.refuse(vertices, npy([[0, 1, -1]], "<i8", "q"), "uses vertex -1")
-        self.refuse(vertices, npy([[0, 1, len(positions)]], "<u8", "Q"), f"uses vertex {len(positions)}")
-        self.refuse(vertices.replace(b"False", b"True "), corners, "C order")
-        self.refuse(npy(positions, ">f8", "d"), corners, "little-endian")
+        jobs = []
+        for number, (of_vertices, of_triangles, *says) in enumerate((
+                (vertices[:-1], corners, "vertices.npy", "cut off"),
+                (vertices, corners[:-1], "triangles.npy", "cut off"),
+                (vertices[:60], corners, "vertices.npy"),
+                (b"", corners),
+                (corners, corners, "vertices.npy", "real numbers"),
+                (vertices, vertices, "triangles.npy", "whole numbers"),
+                (vertices, npy([], "<i4", "i"), "no triangles"),
+                (vertices, npy([[0, 1, -1]], "<i8", "q"), "uses vertex -1"),
+                (vertices, npy([[0, 1, len(positions)]], "<u8", "Q"), f"uses vertex {len(positions)}"),
+                (vertices.replace(b"False", b"True "), corners, "C order"),
+                (npy(positions, ">f8", "d"), corners, "little-endian"))):
+            files = [self.file(f"{number}_{name}.npy", content) for name, content in (("vertices", of_vertices), ("triangles", of_triangles))]
+            jobs.append([["octree", files[0], "--triangles", files[1]], *says])
+        self.refuse_each(*jobs)
 
 
 class Exporting(DistributedTest):

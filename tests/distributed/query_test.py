@@ -286,9 +286,8 @@ class Tables(QueryTest):
         chance = random.Random(SEED)
         points = [[chance.uniform(-2, 2) for _ in range(3)] for _ in range(300000)]
         written = [self.folder / f"{k}.npy" for k in range(4)]
-        for out, ranks, name, content in ((written[0], 1, "c.npy", npy(points)), (written[1], 2, "c.npy", npy(points)),
-                                          (written[2], 2, "f.npy", npy(points, "F")), (written[3], 1, "t.txt", rows(points, "x,y,z"))):
-            result = run(ranks, "closest", "torus:9x9", "--points", self.file(name, content), "--out", out)
+        tables = [self.file("c.npy", npy(points)), self.folder / "c.npy", self.file("f.npy", npy(points, "F")), self.file("t.txt", rows(points, "x,y,z"))]
+        for result in run_each((ranks, "closest", "torus:9x9", "--points", table, "--out", out) for ranks, table, out in zip((1, 2, 2, 1), tables, written)):
             self.assertEqual(result.returncode, 0, result.stderr)
         one = self.folder / "one.npy"
         subprocess.run([PROXIMA, "closest", "torus:9x9", "--points", self.folder / "c.npy", "--out", one], check=True, capture_output=True)
@@ -321,45 +320,38 @@ class Tables(QueryTest):
 
     def test_bad_rows_of_later_blocks(self):
         table = [[0.0, 0.0, 0.0, 1.0, 0.0, 0.0] for _ in range(300000)]
-        table[290000][3] = 0.0
-        result = run(2, "rays", "torus:9x9", "--rays", self.file("rays.npy", npy(table)), "--out", self.folder / "out.csv")
-        self.assertEqual(result.returncode, 1)
-        self.assertEqual(result.stderr.count("rays.npy, row 290000: this is no ray"), 1, result.stderr)
-        table[290000][3] = float("nan")
-        result = run(2, "rays", "torus:9x9", "--rays", self.file("rays.npy", npy(table)), "--out", self.folder / "out.csv")
-        self.assertIn("row 290000 from 0: nan is no finite number", result.stderr)
-        result = run(2, "rays", "torus:9x9", "--rays", self.file("rays.npy", npy(table)[:-8]))
-        self.assertIn("rays.npy: the header says 300000 rows", result.stderr)
-        self.assertFalse((self.folder / "out.csv").exists())
+        jobs = []
+        for name, number, length, says in (("zero", 0.0, None, "zero.npy, row 290000: this is no ray"), ("cut", 0.0, -8, "cut.npy: the header says 300000 rows"),
+                                           ("nan", float("nan"), None, "row 290000 from 0: nan is no finite number")):
+            table[290000][3] = number
+            rays = self.file(f"{name}.npy", npy(table)[:length])
+            jobs.append([["rays", "torus:9x9", "--rays", rays, "--out", self.folder / f"{name}.csv"], says])
+        self.refuse_each(*jobs, ranks=2)
+        self.assertEqual(list(self.folder.glob("*.csv")), [])
 
 
 class QueryErrors(QueryTest):
-    def refuse(self, *arguments, says, status=1):
-        result = run(3, *arguments)
-        self.assertEqual(result.returncode, status, result.stderr)
-        self.assertIn(says, result.stderr)
-        if status == 1:
-            self.assertEqual(result.stderr.count("proxima-mpi: "), 1, result.stderr)
-
     def test_bad_points(self):
-        for content, says in ((b"x,y,z\n1,2\n", "points.csv:2"), (b"1,2,nan\n", "points.csv:1"), (b"", "empty"), (b"1,2\n", "x,y,z")):
-            self.refuse("closest", "torus:9x9", "--points", self.file("points.csv", content), says=says)
-        self.refuse("closest", "torus:9x9", "--points", self.folder / "none.csv", says="none.csv")
+        cases = ((b"x,y,z\n1,2\n", "points_0.csv:2"), (b"1,2,nan\n", "points_1.csv:1"), (b"", "empty"), (b"1,2\n", "x,y,z"))
+        jobs = [[["closest", "torus:9x9", "--points", self.file(f"points_{number}.csv", content)], says] for number, (content, says) in enumerate(cases)]
+        self.refuse_each(*jobs, [["closest", "torus:9x9", "--points", self.folder / "none.csv"], "none.csv"])
 
     def test_bad_rays(self):
-        for content, says in ((b"0,0,0,0,0,0\n", "rays.csv:1: this is no ray"), (b"0,0,0,1,0,0,3,2\n", "tmin"), (b"1,2,3\n", "ox,oy,oz")):
-            self.refuse("rays", "torus:9x9", "--rays", self.file("rays.csv", content), says=says)
+        cases = ((b"0,0,0,0,0,0\n", "rays_0.csv:1: this is no ray"), (b"0,0,0,1,0,0,3,2\n", "tmin"), (b"1,2,3\n", "ox,oy,oz"))
+        self.refuse_each(*([["rays", "torus:9x9", "--rays", self.file(f"rays_{number}.csv", content)], says] for number, (content, says) in enumerate(cases)))
 
     def test_outputs(self):
         points = self.file("points.csv", b"1,2,3\n")
-        self.refuse("closest", "torus:9x9", "--points", points, "--out", "answers.txt", says="answers.txt")
-        self.refuse("closest", "torus:9x9", "--points", points, "--out", self.folder / "none" / "a.csv", says="none")
-        self.refuse("closest", self.folder / "none.ply", "--points", points, "--out", self.folder / "a.csv", says="none.ply")
+        self.refuse_each([["closest", "torus:9x9", "--points", points, "--out", "answers.txt"], "answers.txt"],
+                         [["closest", "torus:9x9", "--points", points, "--out", self.folder / "none" / "a.csv"], "none"],
+                         [["closest", self.folder / "none.ply", "--points", points, "--out", self.folder / "a.csv"], "none.ply"])
         self.assertFalse((self.folder / "a.csv").exists())
 
     def test_usage(self):
-        self.refuse("closest", "torus:9x9", says="--points", status=2)
-        self.refuse("closest", "torus:9x9", "--point", "1,2,3", "--points", "x.csv", says="--point", status=2)
+        jobs = [(3, "closest", "torus:9x9"), (3, "closest", "torus:9x9", "--point", "1,2,3", "--points", "x.csv")]
+        for result in run_each(jobs):
+            self.assertEqual(result.returncode, 2, result.stderr)
+            self.assertIn("--point", result.stderr)
 
 
 class QueryFaults(QueryTest):
