@@ -55,7 +55,7 @@ struct NearRowsList {
 };
 
 /// The pose in the frame, and the closest pair so far.
-class DistanceSearch {
+class PROXIMA_HIDDEN DistanceSearch {
 public:
     /// Looks for pairs at most `farthest` apart.
     DistanceSearch(const IndexParts& a, const IndexParts& b, const RigidTransform& pose_b,
