@@ -1,6 +1,7 @@
 // What the readers say about files that they refuse, and when they stop.
 #include "base/text.h"
 #include "mesh/mesh_files.h"
+#include "proxima/sample_meshes.h"
 
 namespace proxima::mesh_io_errors_test {
 namespace {
@@ -34,6 +35,23 @@ TEST(MeshIoErrors, NameTheLineOrByteAndTheElement)
         {MeshFormat::ply, "ply\nformat ascii 2.0\nend_header\n", ":2", "1.0"},
         {MeshFormat::ply, "ply\nformat ascii 1.0\nproperty float x\n", ":3", "before the first"},
         {MeshFormat::ply, "ply\nformat ascii 1.0\n", "", "end_header"},
+        {MeshFormat::ply, "ply 1\nformat ascii 1.0\n", ":1", "starts with the line"},
+        {MeshFormat::ply, "ply\nelement vertex 0\nend_header\n", ":3", "no format line"},
+        {MeshFormat::ply, "ply\nformat ascii 1.0\nformat ascii 1.0\n", ":3", "second format"},
+        {MeshFormat::ply, "ply\nformat text 1.0\n", ":2", "\"text\""},
+        {MeshFormat::ply, "ply\nformat ascii 1.0\nsurprise\n", ":3", "no keyword"},
+        {MeshFormat::ply, "ply\nformat ascii 1.0\nelement vertex -1\n", ":3", "0 or more"},
+        {MeshFormat::ply, "ply\nformat ascii 1.0\nelement vertex 1\nelement vertex 1\n", ":4",
+         "second element"},
+        {MeshFormat::ply, "ply\nformat ascii 1.0\nelement vertex 1\nproperty real x\n", ":4",
+         "\"real\" is no PLY"},
+        {MeshFormat::ply, "ply\nformat ascii 1.0\nelement vertex 1\nproperty list real int x\n",
+         ":4", "\"real\" is no PLY"},
+        {MeshFormat::ply, "ply\nformat ascii 1.0\nelement vertex 1\nproperty float\n", ":4",
+         "no name"},
+        {MeshFormat::ply, "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x y\n", ":4",
+         "more words"},
+        {MeshFormat::ply, "ply\nformat ascii 1.0\nend_header x\n", ":3", "alone"},
         {MeshFormat::obj, "v 0 0 0\nf 0 1 1\n", ":2", "vertex 0"},
         {MeshFormat::obj, "v 0 0 0\nf -2 1 1\n", ":2", "vertex -2"},
         {MeshFormat::obj, "v 0 0 0\nf 1 1\n", ":2", "2 corners"},
@@ -157,6 +175,48 @@ TEST(MeshIoErrors, RespectTheMemoryBudget)
         error_of(obj, MeshFormat::obj, {.execution = {.budget = {.bytes = 1'000'000}}});
     EXPECT_EQ(error.code, ErrorCode::budget_exceeded);
     EXPECT_NE(error.message.find("OBJ data"), std::string::npos);
+}
+
+// What is there at the end is needed at least: the text, the arrays, and for STL a table of its vertices.
+TEST(MeshIoErrors, RefuseBudgetsBelowTheTextAndTheArrays)
+{
+    const TriangleMesh mesh = make_icosphere(5);
+    std::string obj;
+    std::string off = concat("OFF\n", mesh.vertex_count(), " ", mesh.triangle_count(), " 0\n");
+    std::string stl = "solid\n";
+    for (const Vec3& p : mesh.positions()) {
+        const std::string line = concat(p[0], " ", p[1], " ", p[2], "\n");
+        off += line;
+        obj += "v " + line;
+    }
+    for (const TriangleCorners& c : mesh.triangles()) {
+        off += concat("3 ", c[0], " ", c[1], " ", c[2], "\n");
+        obj += concat("f ", c[0] + 1, " ", c[1] + 1, " ", c[2] + 1, "\n");
+        stl += "facet normal 0 0 0\nouter loop\n";
+        for (const std::uint32_t corner : c) {
+            const Vec3& p = mesh.positions()[corner];
+            stl += concat("vertex ", p[0], " ", p[1], " ", p[2], "\n");
+        }
+        stl += "endloop\nendfacet\n";
+    }
+    stl += "endsolid\n";
+    const std::pair<MeshFormat, std::string> files[] = {
+        {MeshFormat::obj, obj}, {MeshFormat::off, off}, {MeshFormat::stl, stl}};
+    for (const auto& [format, text] : files) {
+        const auto read_within = [&, &of = text, &as = format](std::uint64_t bytes) {
+            return read_text(of, as, {.execution = {.budget = {.bytes = bytes}}});
+        };
+        std::uint64_t least = text.size() + mesh.vertex_count() * sizeof(Vec3) +
+                              mesh.triangle_count() * sizeof(TriangleCorners);
+        if (format == MeshFormat::stl) least += mesh.vertex_count() * sizeof(std::uint32_t);
+        const auto refused = read_within(least - 1);
+        ASSERT_FALSE(refused) << format_name(format);
+        EXPECT_EQ(refused.error().code, ErrorCode::budget_exceeded);
+        const auto read = read_within(8 * least);
+        ASSERT_TRUE(read) << describe(read.error());
+        EXPECT_EQ(read->vertex_count(), mesh.vertex_count());
+        EXPECT_EQ(read->triangle_count(), mesh.triangle_count());
+    }
 }
 
 TEST(MeshIoErrors, StopOnRequest)

@@ -1,8 +1,5 @@
 #include "proxima/time_of_contact.h"
 
-#include "proxima/mesh_index.h"
-#include "proxima/sample_meshes.h"
-#include "query/contacts/child_steps.h"
 #include "query/contacts/random_motions.h"
 
 #include <cmath>
@@ -61,42 +58,6 @@ TEST(RigidMotion, KeepsTheSmallestSteps)
     const RigidTransform from;
     const RigidTransform to{Mat3::Identity(), Vec3(0, 0, -1e-165)};
     EXPECT_EQ(motion_between(from, to, Vec3(0.5, -1, 2)).displacement, to.translation);
-}
-
-TEST(RigidMotion, StepsOfBlocksDoNotDependOnTheSignOfTheHint)
-{
-    const MeshIndex ball = build_mesh_index(make_icosphere(1)).value();
-    int by_hint = 0;
-    for (std::uint64_t seed = 0; seed < 300; ++seed) {
-        SCOPED_TRACE(seed);
-        std::mt19937_64 random(seed);
-        const RigidMotion motion = {.start = random_pose(random, 4 * random_direction(random)),
-                                    .displacement = 3 * random_direction(random),
-                                    .turn = random_direction(random)};
-        const MotionBounds bounds(ball.parts(), ball.parts(), motion);
-        const MovedFrame frame = bounds.frame_at(0);
-        const BoundedBlock a = {.center = bounds.center_a(), .half = Vec3::Constant(0.1)};
-        const BoundedBlock b = {.center = frame.origin, .half = Vec3::Constant(0.1)};
-        const Vec3 hint = random_direction(random);
-        ChildSteps steps[2];
-        for (const bool is_turned : {false, true}) {
-            find_child_steps(bounds,
-                             {.frame = frame,
-                              .a = a,
-                              .b = b,
-                              .node = nullptr,
-                              .opens_a = false,
-                              .hint = is_turned ? Vec3(-hint) : hint,
-                              .within = 1,
-                              .enough = 1e-9},
-                             steps[is_turned ? 1 : 0]);
-        }
-        EXPECT_GT(steps[0].step[0], 0);
-        EXPECT_EQ(steps[0].step[0], steps[1].step[0]);
-        EXPECT_EQ(steps[0].direction_of(0), steps[1].direction_of(0));
-        if (std::abs(steps[0].direction_of(0).dot(hint)) > 1 - 1e-12) ++by_hint;
-    }
-    EXPECT_GT(by_hint, 100);
 }
 
 } // namespace
