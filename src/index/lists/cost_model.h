@@ -88,12 +88,14 @@ struct CostModel {
         return probability * step + price * split_bytes;
     }
 
-    /// Whether splitting could pay however good the children are: eight leaves of one triangle.
-    [[nodiscard]] bool may_split(double probability, std::size_t triangles) const noexcept
+    /// Whether splitting could pay where the children are as good as they can be: eight leaves of `fewest`
+    /// triangles.
+    [[nodiscard]] bool may_split(double probability, std::size_t triangles,
+                                 std::size_t fewest) const noexcept
     {
-        return triangles > list_triangles &&
-               split(probability) + 8 * price * leaf_bytes(1) + probability * worth(block) <
-                   leaf(probability, triangles);
+        return triangles > list_triangles && split(probability) + 8 * price * leaf_bytes(fewest) +
+                                                     probability * worth(listed_time(fewest)) <
+                                                 leaf(probability, triangles);
     }
 };
 

@@ -18,6 +18,9 @@ namespace {
 /// Levels that are grown breadth-first.
 constexpr int top_depth = 4;
 
+/// How many triangles a parent has that is not looked at: more than any.
+constexpr std::size_t unknown = std::size_t{1} << 32U;
+
 void append_list(std::span<const std::uint32_t> ranks, std::vector<std::uint8_t>& bytes)
 {
     std::uint32_t last = 0;
@@ -93,21 +96,27 @@ public:
         return grown;
     }
 
-    [[nodiscard]] bool may_split(const GrownCell& grown, int depth) const
+    /// A cell with about as many triangles as its parent is taken to keep half of them below. Where many
+    /// are equally near, no cell has fewer, and all would be split down to the last level for nothing.
+    [[nodiscard]] bool may_split(const GrownCell& grown, int depth, std::size_t parents) const
     {
-        return depth < options_.max_depth && grown.triangles > options_.max_triangles &&
-               options_.cost.may_split(grown.probability, grown.triangles);
+        const std::size_t count = grown.triangles;
+        const std::size_t fewest = 10 * count >= 9 * parents ? count / 4 : 1;
+        return depth < options_.max_depth && count > options_.max_triangles &&
+               options_.cost.may_split(grown.probability, count, fewest);
     }
 
-    /// Everything below `cell`, whose description is tree.cells[position]. Returns the cost of the
+    /// Everything below `cell`, whose description is tree.cells[position] and whose parent lists so many
+    /// triangles. Returns the cost of the
     /// cheapest way to end, with what does not pay taken back.
     double grow(const OpenCell& cell, std::span<const std::uint32_t> list, std::size_t position,
-                GrownTree& tree)
+                std::size_t parents, GrownTree& tree)
     {
         const GrownCell grown = tree.cells[position];
         const double as_leaf = options_.cost.leaf(grown.probability, grown.triangles);
         const int level = depth(cell.key);
-        if (!may_split(grown, level) || is_cancelled(options_.execution.progress)) return as_leaf;
+        if (!may_split(grown, level, parents) || is_cancelled(options_.execution.progress))
+            return as_leaf;
 
         auto& scratch = lists_at(level);
         split(cell.cube, list, scratch);
@@ -118,7 +127,7 @@ public:
             tree.cells.push_back(describe(children[i], scratch[i], tree));
         double as_split = options_.cost.split(grown.probability);
         for (std::size_t i = 0; i < 8; ++i)
-            as_split += grow(children[i], scratch[i], first + i, tree);
+            as_split += grow(children[i], scratch[i], first + i, grown.triangles, tree);
         if (as_split >= as_leaf) {
             tree.cells.resize(first);
             tree.lists.resize(first_byte);
@@ -183,7 +192,7 @@ std::optional<GrownTop> grow_top(const LocalFeatures& features, const QueryDensi
     top.tree.cells.push_back(grower.describe(level[0], level[0].features, top.tree));
     const auto drop_finished = [&](int depth) {
         std::erase_if(level, [&](const OpenCell& one) {
-            return !grower.may_split(top.tree.cells[one.position], depth);
+            return !grower.may_split(top.tree.cells[one.position], depth, unknown);
         });
     };
     for (int depth = 0; depth < top_depth; ++depth) {
@@ -244,7 +253,7 @@ std::optional<std::vector<GrownTree>> grow_below(const LocalFeatures& features,
         GrownTree& tree = trees[i];
         tree.key = open[i]->key;
         tree.cells.push_back(grower.describe(*open[i], open[i]->features, tree));
-        (void)grower.grow(*open[i], open[i]->features, 0, tree);
+        (void)grower.grow(*open[i], open[i]->features, 0, unknown, tree);
         tree.cells.shrink_to_fit();
         tree.lists.shrink_to_fit();
         advance_stage(options.execution.progress, 1);

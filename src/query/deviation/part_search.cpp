@@ -32,7 +32,7 @@ void PartSearch::search_triangle(const MeasuredVertices& vertices, std::uint32_t
 
 void PartSearch::cover(BoundedPart& part, PartOutcome& outcome)
 {
-    const CoverBound bound = cover_.bound(part.part, limit(outcome));
+    const CoverBound bound = cover_.bound(part.part, limit(outcome), part.upper);
     if (!(bound.upper < part.upper) || bound.cuts > most_cuts) return;
     part.upper = bound.upper;
     outcome.settled.allow(bound.cuts);

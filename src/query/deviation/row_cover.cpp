@@ -43,7 +43,7 @@ std::uint64_t RowNeighbors::bytes_of(const IndexParts& b) noexcept
     return b.edge_count() * sizeof(std::array<std::uint32_t, 2>);
 }
 
-CoverBound RowCover::bound(const MeasuredPart& part, double enough)
+CoverBound RowCover::bound(const MeasuredPart& part, double enough, double known)
 {
     origin_ = part.corners[0];
     corners_.clear();
@@ -66,6 +66,7 @@ CoverBound RowCover::bound(const MeasuredPart& part, double enough)
         }
         result.cuts = std::max(result.cuts, piece.cuts + 1);
         if (!(piece.upper > result.upper)) continue;
+        if (piece.upper >= known) return {.upper = HUGE_VAL};
         result.upper = piece.upper;
         result.point = origin_ + corners_[piece.farthest];
     }

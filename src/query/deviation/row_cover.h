@@ -59,12 +59,13 @@ public:
     static constexpr std::uint64_t most_bytes = std::uint64_t{3} << 20U;
 
     /// A bound of the distances of a part's points. Pieces whose bound is at most `enough` are cut no further. Infinite where
-    /// there would be thousands of pieces.
-    [[nodiscard]] CoverBound bound(const MeasuredPart& part, double enough);
+    /// it would be no less than `known`, or there would be thousands of pieces.
+    [[nodiscard]] CoverBound bound(const MeasuredPart& part, double enough,
+                                   double known = std::numeric_limits<double>::infinity());
 
 private:
     static constexpr std::size_t most_corners = 10;
-    static constexpr std::size_t most_kept = 1 << 15; ///< corners of all pieces
+    static constexpr std::size_t most_kept = 1 << 14; ///< corners of all pieces
 
     struct Piece {
         std::uint32_t first = 0; ///< of its corners

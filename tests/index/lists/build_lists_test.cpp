@@ -12,11 +12,14 @@
 #include "query/closest/brute_force.h"
 #include "query/closest/find_closest.h"
 
+#include <array>
 #include <cmath>
 #include <cstring>
+#include <ctime>
 #include <gtest/gtest.h>
 #include <limits>
 #include <random>
+#include <vector>
 
 namespace proxima::build_lists_test {
 namespace {
@@ -98,6 +101,42 @@ TEST(Lists, AnswerLikeBruteForce)
             expect_answers(index, named.mesh, *topology,
                            boundary_points(named.mesh, index.parts().lists()->frame(), 60, 2));
         }
+    }
+}
+
+/// Triangles in turn at each of six places, each with vertices of its own: points, or all of a size.
+TriangleMesh triangles_at_six_places(std::uint32_t count, bool are_points)
+{
+    const std::array<Vec3, 6> places = {Vec3(0, 0, 0), Vec3(1, 0, 0),   Vec3(0, 1, 0),
+                                        Vec3(0, 0, 1), Vec3(1, 1, 0.5), Vec3(0.3, 0.2, 0.9)};
+    std::vector<Vec3> positions;
+    std::vector<TriangleCorners> triangles;
+    for (std::uint32_t i = 0; i < count; ++i) {
+        for (std::uint32_t k = 0; k < 3; ++k)
+            positions.push_back(places[(i + (are_points ? 0 : k)) % places.size()]);
+        triangles.push_back({3 * i, 3 * i + 1, 3 * i + 2});
+        if (are_points) triangles.back() = {3 * i, 3 * i, 3 * i};
+    }
+    return testing::mesh_of(std::move(positions), std::move(triangles));
+}
+
+TEST(Lists, AreBuiltInReasonWhereManyTrianglesAreInTheSamePlace)
+{
+    for (const bool are_points : {true, false}) {
+        SCOPED_TRACE(are_points);
+        const auto seconds = [&](std::uint32_t count) {
+            const MeshIndex index =
+                build_mesh_index(triangles_at_six_places(count, are_points)).value();
+            const std::clock_t start = std::clock();
+            EXPECT_TRUE(with_lists(index));
+            return static_cast<double>(std::clock() - start) / CLOCKS_PER_SEC;
+        };
+        // Cells that cannot tell them apart were split to the last level: 80 and more times as long.
+        EXPECT_LT(seconds(480), 20 * seconds(240) + 0.1);
+        const TriangleMesh mesh = triangles_at_six_places(240, are_points);
+        const auto topology = build_topology(mesh);
+        ASSERT_TRUE(topology);
+        expect_answers(build(mesh), mesh, *topology, proximity_points(mesh, 300, 4));
     }
 }
 
