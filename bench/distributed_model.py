@@ -2,10 +2,11 @@
 
 Work is a rank's processor time without messages and waiting. It is modelled as
 
-    start + a slice + b received + c pairs + d leaves + e sent
+    start + a slice + b received + c cells + d pairs + e leaves + f sent
 
     slice      triangles of the whole / ranks: what a rank sorts into cells and packs
     received   triangles that touch its cells
+    cells      at the routing depth or above, each of which is grown by itself
     pairs      of a triangle and a cell that was split, over all levels below the routing depth
     leaves     of its cells: what is classified
     sent       bytes that it packed for other ranks
@@ -29,7 +30,7 @@ RANKS = [1, 2, 3, 4, 6]
 THRESHOLD = 8
 ROUTING_DEPTH = 5
 SEED = 24
-TERMS = ["start", "slice", "received", "pairs", "leaves", "sent"]
+TERMS = ["start", "slice", "received", "cells", "pairs", "leaves", "sent"]
 COLUMNS = ["Rank", "Cells", "Triangles", "Leaves", "Pairs split", "Pointers", "Work us", "Messages", "Bytes sent", "Peak MB"]
 
 
@@ -65,7 +66,8 @@ class Run:
     def terms(self):
         """By rank."""
         share = self.triangles / self.ranks
-        return numpy.array([[1.0, share, row["Triangles"], row["Pairs split"], row["Leaves"], row["Bytes sent"]] for row in self.rows])
+        columns = ["Triangles", "Cells", "Pairs split", "Leaves", "Bytes sent"]
+        return numpy.array([[1.0, share, *(row[column] for column in columns)] for row in self.rows])
 
     @property
     def work(self):
@@ -96,8 +98,10 @@ def measure(program, rounds):
     for number in range(rounds):
         for run in random.Random(number).sample(runs, len(runs)):
             arguments = [run.mesh, "--depth", str(run.depth), "--threshold", str(THRESHOLD), "--routing-depth", str(ROUTING_DEPTH)]
-            output = subprocess.run(ranks_command(program, run.ranks, arguments), check=True, capture_output=True, text=True).stdout
-            rows = rank_rows(output)
+            result = subprocess.run(ranks_command(program, run.ranks, arguments), capture_output=True, text=True)
+            if result.returncode != 0:
+                raise SystemExit(f"{run.ranks} ranks on {' '.join(arguments)} failed: {result.stderr}")
+            rows = rank_rows(result.stdout)
             for row, before in zip(rows, run.rows):
                 row["Work us"] = min(row["Work us"], before["Work us"])
             run.rows = rows
@@ -114,18 +118,19 @@ def fit(runs):
 
 def describe_errors(name, coefficients, runs):
     """Relative errors of the busiest ranks' work."""
-    errors = {f"{run.mesh} at depth {run.depth} on {run.ranks}": (run.terms @ coefficients).max() / run.work.max() - 1 for run in runs}
+    errors = {f"{run.mesh} at depth {run.depth} on {run.ranks} rank{'s' * (run.ranks > 1)}": (run.terms @ coefficients).max() / run.work.max() - 1 for run in runs}
     sizes = numpy.abs(list(errors.values()))
     print(f"{name}: {len(runs)} runs, mean {100 * sizes.mean():.1f} %, 90 of 100 below {100 * numpy.quantile(sizes, 0.9):.1f} %, "
           f"worst {100 * sizes.max():.1f} %, {numpy.sum(sizes <= 0.15)} runs within 15 %")
     for run, error in errors.items():
         if abs(error) > 0.15:
-            print(f"  {run} ranks: {100 * error:+.1f} %")
+            print(f"  {run}: {100 * error:+.1f} %")
 
 
 @dataclass
 class Growth:
-    """Of a surface, by triangle of a rank's share; copies by the square root of the share."""
+    """Of a surface, by triangle of a rank's share, but for its cells; copies by the square root of the share."""
+    cells: float  # of the whole mesh
     pairs: float  # at the deepest level of the largest mesh, whose cells are about as small as the threshold allows
     level: float  # pairs that each further level adds above: of triangles that are small beside its cells
     leaves: float
@@ -141,7 +146,8 @@ def growth(runs):
     split = [run for run in runs if run.ranks > 1]
     large, small = (max(run.rows[0]["Peak MB"] for run in runs if run.mesh == mesh and run.ranks == 1) for mesh in (MESHES[-1], MESHES[0]))
     levels = min(DEPTHS) - ROUTING_DEPTH
-    return Growth(pairs=statistics.median(run.sum_of("Pairs split") / run.triangles for run in deepest),
+    return Growth(cells=deepest[0].sum_of("Cells"),
+                  pairs=statistics.median(run.sum_of("Pairs split") / run.triangles for run in deepest),
                   level=statistics.median(run.sum_of("Pairs split") / run.triangles / levels for run in shallowest),
                   leaves=statistics.median(run.sum_of("Leaves") / run.triangles for run in deepest),
                   copies=max((run.terms[:, 2] - run.terms[:, 1]).max() / (run.triangles / run.ranks) ** 0.5 for run in split),
@@ -160,7 +166,8 @@ def extrapolate(coefficients, runs, ranks=10_000):
         share = whole / ranks
         further = numpy.log(whole / finest) / numpy.log(4)  # a level more for four times the triangles of a surface
         received = share + grows.copies * share ** 0.5
-        work = coefficients @ [1.0, share, received, (grows.pairs + grows.level * further) * received, grows.leaves * received, grows.sent * share]
+        work = coefficients @ [1.0, share, received, grows.cells / ranks, (grows.pairs + grows.level * further) * received, grows.leaves * received,
+                               grows.sent * share]
         # Cells at the routing depth, 16 bytes each, that every rank tells for every depth.
         told = 16 * min(received, 8 ** ROUTING_DEPTH) / 1e6
         print(f"| {whole:.0e} | {share:.0e} | {max(DEPTHS) + further:.1f} | {work / 1e6:.2f} s "
