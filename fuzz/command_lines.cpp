@@ -30,14 +30,18 @@ Command without_its_work(CLI::App& app)
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size)
 {
+    // All but those of the viewer.
     static constexpr AddCommand commands[] = {
-        without_its_work<add_octree_command>,    without_its_work<add_compare_command>,
-        without_its_work<add_minkowski_command>, without_its_work<add_index_command>,
-        without_its_work<add_proximity_command>, without_its_work<add_closest_command>,
-        without_its_work<add_patch_command>,     without_its_work<add_raycast_command>,
-        without_its_work<add_cull_command>,      without_its_work<add_intersect_command>,
-        without_its_work<add_touch_command>,     without_its_work<add_tables_command>,
-        without_its_work<add_check_command>,     without_its_work<add_repair_command>};
+        without_its_work<add_octree_command>,       without_its_work<add_compare_command>,
+        without_its_work<add_minkowski_command>,    without_its_work<add_index_command>,
+        without_its_work<add_proximity_command>,    without_its_work<add_closest_command>,
+        without_its_work<add_sdf_command>,          without_its_work<add_patch_command>,
+        without_its_work<add_raycast_command>,      without_its_work<add_cull_command>,
+        without_its_work<add_intersect_command>,    without_its_work<add_contacts_command>,
+        without_its_work<add_contact_time_command>, without_its_work<add_deviation_command>,
+        without_its_work<add_scene_command>,        without_its_work<add_touch_command>,
+        without_its_work<add_tables_command>,       without_its_work<add_check_command>,
+        without_its_work<add_repair_command>};
     std::istringstream lines(std::string(reinterpret_cast<const char*>(data), size));
     std::vector<std::string> words = {"proxima"};
     for (std::string word; std::getline(lines, word) && words.size() < 64;) {

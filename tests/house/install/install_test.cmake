@@ -39,7 +39,8 @@ run(${CMAKE_COMMAND} --build ${WORK}/build)
 expect_answer(${WORK}/build/uses_proxima)
 
 run(${CMAKE_COMMAND} -S ${CMAKE_CURRENT_LIST_DIR}/../../../examples -B ${WORK}/examples -G Ninja
-  -DCMAKE_CXX_COMPILER=${CXX} -DCMAKE_PREFIX_PATH=${WORK}/prefix -DCMAKE_BUILD_TYPE=Release)
+  -DCMAKE_CXX_COMPILER=${CXX} -DCMAKE_PREFIX_PATH=${WORK}/prefix -DCMAKE_BUILD_TYPE=Release
+  -DCMAKE_PROJECT_INCLUDE=${CMAKE_CURRENT_LIST_DIR}/precompile.cmake)
 run(${CMAKE_COMMAND} --build ${WORK}/examples)
 run(${CTEST} --test-dir ${WORK}/examples --output-on-failure)
 if(READS_SCENES)
