@@ -52,7 +52,8 @@ struct FarPlace {
 
 struct GreatestDeviation {
     /// Bounds of the one-sided Hausdorff distance: the largest distance that a point of A has from B.
-    /// Both are 0 where every triangle of A is also a triangle of B.
+    /// Both are 0 where every triangle of A is also a triangle of B. Where others of B pass through these,
+    /// or coordinates leave no room for rounding, the upper one may be above 0 by roundings.
     DistanceBounds distance;
     /// A point of A whose distance from B is at least distance.lower, up to the rounding of its
     /// coordinates, and the point of B closest to it.

@@ -78,11 +78,11 @@ class Programs(unittest.TestCase):
         program = LIBRARY.parents[2] / "apps/distributed/proxima-mpi"
         commands = [line for block in re.findall(r"^```sh\n(.*?)```", (ROOT / "docs/distributed.md").read_text(), re.DOTALL | re.MULTILINE)
                     for line in block.splitlines()]
-        self.assertEqual(len(commands), 2)
+        self.assertGreaterEqual(len(commands), 4)
         if not program.exists() or not shutil.which("mpirun"):
             self.skipTest("proxima-mpi was not built")
         for command in commands:
-            words = shlex.split(command)
+            words = shlex.split(re.sub(r"torus:\d+x\d+", "torus:200x100", command))  # for larger ones take minutes
             self.assertEqual([words[0], Path(words[3]).name], ["mpirun", "proxima-mpi"])
             words[3] = program
             self.run_in(ROOT, *words, env={

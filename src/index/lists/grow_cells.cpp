@@ -96,12 +96,12 @@ public:
         return grown;
     }
 
-    /// A cell with about as many triangles as its parent is taken to keep half of them below. Where many
-    /// are equally near, no cell has fewer, and all would be split down to the last level for nothing.
+    /// A cell with all triangles of its parent is taken to keep a quarter of them below. Where many are in
+    /// the same place, no cell has fewer, and all would be split down to the last level for nothing.
     [[nodiscard]] bool may_split(const GrownCell& grown, int depth, std::size_t parents) const
     {
         const std::size_t count = grown.triangles;
-        const std::size_t fewest = 10 * count >= 9 * parents ? count / 4 : 1;
+        const std::size_t fewest = count >= parents ? count / 4 : 1;
         return depth < options_.max_depth && count > options_.max_triangles &&
                options_.cost.may_split(grown.probability, count, fewest);
     }

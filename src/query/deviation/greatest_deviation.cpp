@@ -21,7 +21,7 @@ class GreatestSearch {
 public:
     GreatestSearch(const SurfacePair& pair, const MeasuredVertices& vertices,
                    const GreatestDeviationOptions& options, double tolerance)
-        : pair_(pair), vertices_(vertices), options_(options), neighbors_(pair.b()),
+        : pair_(pair), vertices_(vertices), options_(options),
           tolerance_(std::max(tolerance - 2 * most_rounding(pair), 2 * most_rounding(pair)))
     {}
 
@@ -30,6 +30,7 @@ public:
         Progress* const progress = options_.execution.progress;
         bound_triangles();
         if (is_cancelled(progress)) return stopped();
+        if (!order_.empty()) neighbors_ = RowNeighbors(pair_.b());
         begin_stage(progress, "triangles along the other surface", order_.size());
         cover_triangles();
         if (is_cancelled(progress)) return stopped();
@@ -188,11 +189,14 @@ private:
         if (std::ranges::any_of(whole.nearest,
                                 [](const NearestRow& nearest) { return nearest.distance > 0; }))
             return false;
+        const auto is_it = [&](std::uint32_t row) {
+            return is_row_of_b(pair_, whole.corners, row);
+        };
+        if (std::ranges::any_of(whole.nearest, is_it, &NearestRow::row)) return true;
         // The rows of its corners may be others that they share.
         const auto& [p, q, r] = whole.corners;
         const Vec3 centroid = (p + q + r) / 3;
-        return is_row_of_b(pair_, whole.corners,
-                           pair_.nearest(centroid, whole.reach(centroid)).row);
+        return is_it(pair_.nearest(centroid, whole.reach(centroid)).row);
     }
 
     /// Lowers the bounds of triangles that B lies along, and puts the largest first.

@@ -33,7 +33,10 @@ void PartSearch::search_triangle(const MeasuredVertices& vertices, std::uint32_t
 void PartSearch::cover(BoundedPart& part, PartOutcome& outcome)
 {
     const CoverBound bound = cover_.bound(part.part, limit(outcome), part.upper);
-    if (!(bound.upper < part.upper) || bound.cuts > most_cuts) return;
+    if (bound.cuts > most_cuts) return;
+    // Cuts are rounded: what is gained must be more than that.
+    if (!(bound.upper + pair_.rounding(bound.cuts) < part.upper + pair_.rounding(part.part.cuts)))
+        return;
     part.upper = bound.upper;
     outcome.settled.allow(bound.cuts);
     if (!(bound.upper > greatest(outcome))) return;

@@ -54,6 +54,8 @@ CoverBound RowCover::bound(const MeasuredPart& part, double enough, double known
         if (corners_.size() > most_kept) return {.upper = HUGE_VAL};
         Piece piece = pending_.back();
         pending_.pop_back();
+        // Round a vertex, pieces may pass from row to row without end.
+        if (piece.cuts > part.cuts + most_deep) return {.upper = HUGE_VAL};
         const RowTriangle row(pair_.b().triangle(piece.row), origin_, piece.row,
                               edges_of(pair_.b(), piece.row));
         find_upper(piece, row);

@@ -27,6 +27,8 @@ class PROXIMA_HIDDEN RowNeighbors {
 public:
     static constexpr std::uint32_t none = std::numeric_limits<std::uint32_t>::max();
 
+    /// Of no rows.
+    RowNeighbors() = default;
     explicit RowNeighbors(const IndexParts& b);
     [[nodiscard]] static std::uint64_t bytes_of(const IndexParts& b) noexcept;
 
@@ -59,13 +61,14 @@ public:
     static constexpr std::uint64_t most_bytes = std::uint64_t{3} << 20U;
 
     /// A bound of the distances of a part's points. Pieces whose bound is at most `enough` are cut no further. Infinite where
-    /// it would be no less than `known`, or there would be thousands of pieces.
+    /// it would be no less than `known`, or there would be thousands of pieces or many cuts of one.
     [[nodiscard]] CoverBound bound(const MeasuredPart& part, double enough,
                                    double known = std::numeric_limits<double>::infinity());
 
 private:
     static constexpr std::size_t most_corners = 10;
     static constexpr std::size_t most_kept = 1 << 14; ///< corners of all pieces
+    static constexpr std::uint32_t most_deep = 64;    ///< cuts of a piece
 
     struct Piece {
         std::uint32_t first = 0; ///< of its corners
