@@ -200,7 +200,12 @@ TEST(MeshDeviation, HeedsTrianglesThatAreHardlyCloser)
 
 TEST(MeshDeviation, IsZeroForTheSameTriangles)
 {
-    for (const TriangleMesh& mesh : {sample_mesh("icosphere:3").value(), fans(), sliver_strip()}) {
+    // An edge of the second triangle passes through the middle of the first.
+    const TriangleMesh pierced = mesh_of(
+        {Vec3(0, 0, 0), Vec3(3, 0, 0), Vec3(0, 3, 0), Vec3(1, 1, -1), Vec3(1, 1, 1), Vec3(5, 5, 1)},
+        {{0, 1, 2}, {3, 4, 5}});
+    for (const TriangleMesh& mesh :
+         {sample_mesh("icosphere:3").value(), fans(), sliver_strip(), pierced}) {
         std::vector<TriangleCorners> turned(mesh.triangles().rbegin(), mesh.triangles().rend());
         for (TriangleCorners& corners : turned) corners = {corners[2], corners[1], corners[0]};
         const TriangleMesh other =
