@@ -4,9 +4,11 @@
 #include "proxima/scene.h"
 #include "query/scene/scenes_one_by_one.h"
 
+#include <algorithm>
 #include <cmath>
 #include <gtest/gtest.h>
 #include <limits>
+#include <string_view>
 
 namespace proxima::scene_limits_test {
 namespace {
@@ -154,6 +156,23 @@ TEST(Scene, RefusesInstancesThatAreNone)
     const std::vector<MeshIndex> shapes(1000, cube);
     EXPECT_EQ(build_scene(shapes, {}, {{.budget = {100'000}}}).error().code,
               ErrorCode::budget_exceeded);
+}
+
+TEST(Scene, CountsTheShapesThatItHasMeasured)
+{
+    const RandomScene of = many_instances(10, 2);
+    double most = 0;
+    bool is_built = false;
+    for (std::uint64_t reports = 1; !is_built; ++reports) {
+        ASSERT_LT(reports, 1000U);
+        Progress progress;
+        progress.cancel_after(reports);
+        is_built = build_scene(of.shapes, of.instances, {{.threads = {1}, .progress = &progress}})
+                       .has_value();
+        if (progress.stage() == std::string_view("measuring shapes"))
+            most = std::max(most, progress.fraction());
+    }
+    EXPECT_EQ(most, 1);
 }
 
 TEST(Scene, StopsOnRequest)
