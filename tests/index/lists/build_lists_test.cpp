@@ -120,6 +120,13 @@ TriangleMesh triangles_at_six_places(std::uint32_t count, bool are_points)
     return testing::mesh_of(std::move(positions), std::move(triangles));
 }
 
+TEST(Lists, OfABallAreNotLongAboutItsCenter)
+{
+    // All triangles are about equally near there: cells are split until they are not.
+    const TriangleMesh ball = sample_mesh("icosphere:4").value();
+    EXPECT_LT(build(ball).parts().lists()->statistics().max_list, ball.triangle_count() / 6);
+}
+
 TEST(Lists, AreBuiltInReasonWhereManyTrianglesAreInTheSamePlace)
 {
     for (const bool are_points : {true, false}) {
