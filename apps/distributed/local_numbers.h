@@ -12,7 +12,7 @@ namespace proxima {
 /// of each word of bits, and a bit for each word that has items.
 class LocalNumbers {
 public:
-    /// Of items below `count`. Throws std::bad_alloc.
+    /// An empty set, for items below `count`. Throws std::bad_alloc.
     explicit LocalNumbers(std::size_t count)
         : words_((count + 63) / 64), numbers_(words_.size()), used_((words_.size() + 63) / 64)
     {}

@@ -192,7 +192,8 @@ Result<Messages> pack_all(const MeshSlice& slice, const CoarseBins& bins,
     return messages;
 }
 
-/// Of a mesh of so many triangles.
+/// Puts what was received into one mesh. `whole_triangles` is the size of the whole mesh, from which each
+/// sender's first triangle follows.
 Status unpack(const Received<RoutedTriangle>& triangles, const Received<Position>& vertices,
               std::uint64_t whole_triangles, RoutedPart& part)
 {

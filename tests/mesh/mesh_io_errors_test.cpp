@@ -177,7 +177,7 @@ TEST(MeshIoErrors, RespectTheMemoryBudget)
     EXPECT_NE(error.message.find("OBJ data"), std::string::npos);
 }
 
-// What is there at the end is needed at least: the text, the arrays, and for STL a table of its vertices.
+// A reader holds the text and the arrays of the mesh at its end, and that of STL a table of vertices, too. A smaller budget is refused.
 TEST(MeshIoErrors, RefuseBudgetsBelowTheTextAndTheArrays)
 {
     const TriangleMesh mesh = make_icosphere(5);

@@ -18,7 +18,7 @@ namespace {
 /// Levels that are grown breadth-first.
 constexpr int top_depth = 4;
 
-/// How many triangles a parent has that is not looked at: more than any.
+/// In place of the number of a parent's triangles where the cell is not compared with it: more than any cell has.
 constexpr std::size_t unknown = std::size_t{1} << 32U;
 
 void append_list(std::span<const std::uint32_t> ranks, std::vector<std::uint8_t>& bytes)
