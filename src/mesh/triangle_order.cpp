@@ -17,7 +17,8 @@ std::optional<std::vector<KeyedIndex>> triangle_order(const TriangleMesh& mesh, 
                      (radix_passes(key_bits) + 1) * mesh.triangle_count());
     constexpr double cells = static_cast<double>(1U << triangle_order_bits);
     const double edge = bounds.extent().maxCoeff();
-    const double scale = edge > 0.0 ? cells / edge : 0.0;
+    // Not infinite, for infinity times a mean of 0 is no number: an edge below 1e-302 is one cell.
+    const double scale = std::min(cells / std::max(edge, 0x1p-1074), 0x1p1023);
     std::vector<KeyedIndex> items(mesh.triangle_count());
     for (std::size_t i = 0; i < items.size(); ++i) {
         const Triangle triangle = mesh.triangle(TriangleId{static_cast<std::uint32_t>(i)});

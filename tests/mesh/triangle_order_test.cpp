@@ -6,6 +6,7 @@
 
 #include <cmath>
 #include <gtest/gtest.h>
+#include <limits>
 
 namespace proxima::triangle_order_test {
 namespace {
@@ -47,6 +48,19 @@ TEST(TriangleOrder, SortsTrianglesAlongTheCurve)
         }
         EXPECT_EQ(items->size(), mesh.triangle_count());
         EXPECT_GT(same_cell, 2990);
+    }
+}
+
+TEST(TriangleOrder, PutsASurfaceOfAFewDenormalNumbersInOneCell)
+{
+    const double tiny = std::numeric_limits<double>::denorm_min();
+    const TriangleMesh mesh = *make_triangle_mesh(
+        {Vec3(0, 0, 0), Vec3(3 * tiny, 0, 0), Vec3(0, 3 * tiny, 0)}, {{1, 2, 1}, {0, 0, 0}});
+    for (const SpaceCurve curve : {SpaceCurve::morton, SpaceCurve::hilbert}) {
+        const auto items = triangle_order(mesh, bounding_box(mesh), curve, nullptr);
+        ASSERT_TRUE(items);
+        EXPECT_EQ((*items)[0].index, 0);
+        EXPECT_EQ((*items)[1].index, 1);
     }
 }
 
