@@ -13,7 +13,7 @@ namespace proxima {
 
 namespace {
 
-constexpr std::string_view magic = "\x93NUMPY";
+constexpr std::string_view npy_magic = "\x93NUMPY";
 
 /// Reads the words of a Python dictionary such as {'descr': '<f8', 'shape': (3, 3), }.
 class DictionaryText {
@@ -171,7 +171,7 @@ double half_number(std::uint64_t bits) noexcept
 
 bool is_npy(std::string_view bytes) noexcept
 {
-    return bytes.starts_with(magic);
+    return bytes.starts_with(npy_magic);
 }
 
 double npy_number(const NpyHeader& header, const char* bytes) noexcept
@@ -200,7 +200,7 @@ double npy_number(const NpyHeader& header, const char* bytes) noexcept
 
 Result<NpyHeader> parse_npy_header(std::string_view bytes)
 {
-    if (!bytes.starts_with(magic)) return malformed();
+    if (!bytes.starts_with(npy_magic)) return malformed();
     const auto byte = [&](std::size_t position) {
         return position < bytes.size() ? std::size_t{static_cast<unsigned char>(bytes[position])}
                                        : 0;
@@ -232,7 +232,7 @@ std::string npy_header(std::span<const std::uint64_t> shape, NpyOrder order)
     dictionary += "), }";
     while ((start + dictionary.size() + 1) % 64 != 0) dictionary += ' ';
     dictionary += '\n';
-    std::string header(magic);
+    std::string header(npy_magic);
     header += '\x01';
     header += '\0';
     header += static_cast<char>(dictionary.size() & 0xFFU);

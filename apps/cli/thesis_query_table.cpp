@@ -24,7 +24,7 @@ namespace proxima {
 
 namespace {
 
-constexpr const char* model_name = "sphere:100x100"; ///< convex, as closest features want it
+constexpr const char* sphere_name = "sphere:100x100"; ///< convex, as closest features want it
 constexpr std::size_t query_count = 20'000;
 constexpr std::size_t frame_count = 100; ///< of culling and of contact
 constexpr int rounds = 5;
@@ -64,7 +64,7 @@ struct Structures {
 Result<Structures> build(const ThesisComparisonOptions& options)
 {
     const Threads threads = options.threads_to_measure;
-    auto mesh = sample_mesh(model_name);
+    auto mesh = sample_mesh(sphere_name);
     if (!mesh) return tl::unexpected(mesh.error());
     auto topology = build_topology(*mesh, {.execution = {.threads = threads}});
     if (!topology) return tl::unexpected(topology.error());
@@ -245,7 +245,7 @@ Result<ThesisComparison> compare_queries(const ThesisComparisonOptions& options)
     add_contact(*structures, table);
     result.text = fmt::format("{}, {} triangles, octrees of depth 5 and threshold 1; one thread, "
                               "medians of {} rounds\n\n{}\n",
-                              model_name, structures->mesh.triangle_count(), rounds, table.text());
+                              sphere_name, structures->mesh.triangle_count(), rounds, table.text());
     result.notes = {
         "The thesis has no times for these queries (chapter 6: no temporal measurements have been "
         "conducted).",
