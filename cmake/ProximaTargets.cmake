@@ -88,6 +88,10 @@ function(proxima_build_quickly target)
   set_target_properties(${target} PROPERTIES DISABLE_PRECOMPILE_HEADERS "${CMAKE_UNITY_BUILD}")
 endfunction()
 
+# For fuzzers, of kernels and of layers that read no files: what they compare are computed numbers, which no fuzzer can put
+# into its input, and exact arithmetic took half as long again for it.
+set(PROXIMA_UNTRACED -fno-sanitize-coverage=trace-cmp)
+
 # Sources that Highway compiles once for every instruction set: each is a unit of its own in whole builds
 # that join sources (CMAKE_UNITY_BUILD). On x86 these are AVX-512, AVX2, SSE4 and no lanes, which is what the few
 # processors with SSSE3 and without SSE4 get, too. On Arm it is NEON: lanes of SVE cannot lie in arrays, as kernels keep theirs.
@@ -97,9 +101,8 @@ function(proxima_own_units)
   cmake_parse_arguments(ARG "" "" "UP_TO_AVX2;AVX2_ALONE" ${ARGN})
   set(unused HWY_SSSE3)
   if(PROXIMA_SANITIZE MATCHES "fuzzer")
-    # What kernels compare are computed numbers, which fuzzers cannot put into a file.
     set_property(SOURCE ${ARG_UNPARSED_ARGUMENTS} ${ARG_UP_TO_AVX2} ${ARG_AVX2_ALONE} APPEND PROPERTY COMPILE_OPTIONS
-      -fno-sanitize-coverage=trace-cmp)
+      ${PROXIMA_UNTRACED})
   endif()
   if(CMAKE_SYSTEM_PROCESSOR STREQUAL "aarch64")
     set(unused "(HWY_SVE|HWY_SVE2|HWY_SVE_256|HWY_SVE2_128)")
@@ -152,6 +155,9 @@ function(proxima_add_layer name)
   target_link_libraries(${target} PUBLIC ${ARG_LINK}
     PRIVATE ${ARG_PRIVATE_LINK} $<BUILD_INTERFACE:proxima_developer_options>)
   set_target_properties(${target} PROPERTIES EXPORT_NAME ${name})
+  if(PROXIMA_SANITIZE MATCHES "fuzzer" AND name MATCHES "^(geometry|minkowski|query)$")
+    target_compile_options(${target} PRIVATE ${PROXIMA_UNTRACED})
+  endif()
   if(name STREQUAL "base")
     proxima_fit_for_shared_libraries(${target})
   else()
