@@ -88,7 +88,9 @@ int write_all(const char* data, std::size_t size, const WriteSome& write_some) n
 bool is_below_device_folders(const fs::path& path)
 {
     const std::string text = fs::absolute(path).lexically_normal().string();
-    return text.starts_with("/dev/") || text.starts_with("/proc/");
+    // What lies in shared memory are files like others.
+    return (text.starts_with("/dev/") && !text.starts_with("/dev/shm/")) ||
+           text.starts_with("/proc/");
 }
 
 // The file that `path` stands for once symbolic links are followed; it need not exist.

@@ -34,9 +34,9 @@ struct OutputOptions {
 /// allow the rename. A symbolic link stays a link and its target is replaced; other hard links of a
 /// file keep what they had.
 ///
-/// A destination that is no regular file (/dev/full, a pipe), and anything under /dev and /proc
-/// (/dev/stdout is a file when redirected), is appended to directly: there commit() only tells
-/// whether all of it arrived. Writes go through a buffer. Not thread safe; two objects for one
+/// A destination that is no regular file (/dev/full, a pipe), and what exists under /dev, but for
+/// /dev/shm, and under /proc (/dev/stdout is a file when redirected), is appended to directly: there
+/// commit() only tells whether all of it arrived. Writes go through a buffer. Not thread safe; two objects for one
 /// destination may live at the same time, the last commit wins.
 class OutputFile {
 public:

@@ -91,6 +91,19 @@ TEST_F(OutputFileTest, OverwritesWhatWasWritten)
     EXPECT_FALSE(direct->overwrite(0, std::as_bytes(std::span(head))));
 }
 
+TEST_F(OutputFileTest, ReplacesFilesInSharedMemory)
+{
+    std::string folder = "/dev/shm/proxima-XXXXXX";
+    if (::mkdtemp(folder.data()) == nullptr) GTEST_SKIP() << "no /dev/shm here";
+    const fs::path place = fs::path(folder) / "a.txt";
+    for (const char* text : {"longer", "new"}) {
+        auto file = OutputFile::create(place);
+        EXPECT_TRUE(file && file->write(text) && file->commit());
+        EXPECT_EQ(content(place), text);
+    }
+    fs::remove_all(folder);
+}
+
 TEST_F(OutputFileTest, IsWrittenWithoutAStandardInputToo)
 {
     for (const fs::path& destination : {path("a.txt"), fs::path("/dev/null")}) {
