@@ -91,6 +91,11 @@ endfunction()
 # For fuzzers, of kernels and of layers that read no files: what they compare are computed numbers, which no fuzzer can put
 # into its input, and exact arithmetic took half as long again for it.
 set(PROXIMA_UNTRACED -fno-sanitize-coverage=trace-cmp)
+function(proxima_trace_files_only target layer)
+  if(PROXIMA_SANITIZE MATCHES "fuzzer" AND layer MATCHES "_(geometry|minkowski|query)$")
+    target_compile_options(${target} PRIVATE ${PROXIMA_UNTRACED})
+  endif()
+endfunction()
 
 # Sources that Highway compiles once for every instruction set: each is a unit of its own in whole builds
 # that join sources (CMAKE_UNITY_BUILD). On x86 these are AVX-512, AVX2, SSE4 and no lanes, which is what the few
@@ -127,6 +132,7 @@ function(proxima_add_objects layer objects level sources links)
   target_include_directories(${objects} PRIVATE ${PROJECT_SOURCE_DIR}/src ${PROJECT_SOURCE_DIR}/include)
   target_link_libraries(${objects} PRIVATE ${links} proxima_developer_options)
   proxima_fit_for_shared_libraries(${objects})
+  proxima_trace_files_only(${objects} ${layer})
   target_sources(${layer} PRIVATE $<TARGET_OBJECTS:${objects}>)
 endfunction()
 
@@ -155,9 +161,7 @@ function(proxima_add_layer name)
   target_link_libraries(${target} PUBLIC ${ARG_LINK}
     PRIVATE ${ARG_PRIVATE_LINK} $<BUILD_INTERFACE:proxima_developer_options>)
   set_target_properties(${target} PROPERTIES EXPORT_NAME ${name})
-  if(PROXIMA_SANITIZE MATCHES "fuzzer" AND name MATCHES "^(geometry|minkowski|query)$")
-    target_compile_options(${target} PRIVATE ${PROXIMA_UNTRACED})
-  endif()
+  proxima_trace_files_only(${target} ${target})
   if(name STREQUAL "base")
     proxima_fit_for_shared_libraries(${target})
   else()

@@ -1,6 +1,7 @@
 // The queries of scenes, asked of all instances one by one, and rays and points to ask.
 #pragma once
 
+#include "geometry/length.h"
 #include "proxima/intersect_meshes.h"
 #include "proxima/scene.h"
 #include "query/scene/random_scenes.h"
@@ -34,18 +35,6 @@ inline std::vector<SceneHit> hits_one_by_one(const RandomScene& scene, const Ray
     return hits;
 }
 
-inline double distance_of(const ClosestFeature& closest, const Vec3& local)
-{
-    // By a power of two that keeps squares among the doubles.
-    const Vec3 between = local - closest.point;
-    const double largest = between.cwiseAbs().maxCoeff();
-    if (largest == 0) return 0;
-    const double scale = std::ldexp(1.0, -std::ilogb(largest));
-    const Vec3 scaled = scale * between;
-    return std::sqrt((scaled[0] * scaled[0] + scaled[1] * scaled[1]) + scaled[2] * scaled[2]) /
-           scale;
-}
-
 inline std::optional<SceneFeature> closest_one_by_one(const RandomScene& scene, const Vec3& p,
                                                       const SceneFeatureOptions& options)
 {
@@ -57,7 +46,7 @@ inline std::optional<SceneFeature> closest_one_by_one(const RandomScene& scene, 
         const auto closest =
             closest_feature(scene.shapes[at.shape], local, {.radius = options.radius});
         if (!closest) continue;
-        const double distance = distance_of(*closest, local);
+        const double distance = length_of(local - closest->point);
         if (best && best->distance <= distance) continue;
         best = {id_of(i), *closest, at.pose(closest->point), distance};
     }
