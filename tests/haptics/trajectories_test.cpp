@@ -199,7 +199,8 @@ public:
         for (int i = 0; i < 40; ++i) {
             const Site site = any_site();
             const Vec3 aside = 0.005 * Vec3{number(), number(), number()};
-            go_to(site.position + aside + 0.01 * number() * site.normal, 0.1 + 0.2 * unit());
+            const double height = 0.01 * number();
+            go_to(site.position + aside + height * site.normal, 0.1 + 0.2 * unit());
             if (i % 3 == 0) rest();
         }
     }
@@ -236,7 +237,7 @@ private:
 
     Vec3 tangent(const Vec3& normal)
     {
-        const Vec3 any(number(), number(), number());
+        const Vec3 any{number(), number(), number()};
         return (any - any.dot(normal) * normal).normalized();
     }
 

@@ -1,6 +1,7 @@
 #include "haptics/proxy/slide_sphere.h"
 
 #include "haptics/proxy/contact_planes.h"
+#include "haptics/proxy/corner_ways.h"
 #include "haptics/surface/swept_sphere.h"
 
 #include <algorithm>
@@ -28,6 +29,9 @@ constexpr double first_part = 0.125;
 /// Friction holds what would slip by no more than this part of what it allows: a slide over curved
 /// parts comes to rest within a few moves.
 constexpr double friction_rounding = 0x1p-14;
+
+/// The least cosine of a way out of a corner and the spring's pull: a slope of one degree.
+constexpr double least_slope = 0x1p-6;
 
 // The scratch memory takes all triangles that a cache holds.
 static_assert(SlideScratch::triangles >= GroupBoxes::capacity * TriangleGroup::width);
@@ -127,7 +131,7 @@ private:
             whole = false;
         }
         const double length = motion.norm();
-        if (length <= 0.25 * skin_) return end(SlideEnd::settled);
+        if (length <= 0.25 * skin_) return leave_corner() || end(SlideEnd::settled);
         double reach = std::min(length, reach_in_edges * surface_.scale().mean_edge);
         if (!collect_path(motion / length, reach)) return end(SlideEnd::overloaded);
         if (reach < length) {
@@ -144,6 +148,28 @@ private:
         } else {
             go(p + t * motion);
         }
+        return true;
+    }
+
+    /// Goes on where three faces at a corner hold the sphere only because of its size, though it is a
+    /// point. False where it is at rest.
+    bool leave_corner() noexcept
+    {
+        if (radius_ > gap_ || result_.contact_count < 3) return false;
+        const Vec3& p = result_.center;
+        const double length = corner_way * radius_;
+        const double distance = (to_ - p).norm();
+        if (!(distance > 2 * length)) return false;
+        const std::size_t count =
+            scratch_.cache_.collect(surface_, p, length + 2 * radius_, scratch_.near_);
+        if (count > scratch_.near_.size()) return false;
+        const double held = friction_ / std::sqrt(1 + friction_ * friction_);
+        const auto motion =
+            way_from_corner(std::span<const ContactTriangle>(scratch_.near_).first(count), p,
+                            (to_ - p) / distance, held + least_slope, radius_);
+        if (!motion) return false;
+        near_count_ = count;
+        go(p + *motion);
         return true;
     }
 

@@ -1,0 +1,149 @@
+// Point proxies at corners that have ridges and valleys: none rests where a point could go on.
+#include "haptics/proxy/corner_ways.h"
+
+#include "geometry/triangle_contact.h"
+#include "haptics/proxy/proxy.h"
+#include "haptics/proxy/slide_sphere.h"
+#include "haptics/surface/contact_surface.h"
+#include "haptics/touch_meshes.h"
+
+#include <algorithm>
+#include <cmath>
+#include <gtest/gtest.h>
+#include <numbers>
+#include <random>
+#include <vector>
+
+namespace proxima::corner_ways_test {
+namespace {
+
+using testing::mesh_of;
+
+/// Triangles round a corner at the origin.
+struct Corner {
+    TriangleMesh mesh;
+    Vec3 towards; ///< where a hand pushes
+};
+
+/// Corners of a scan at which three faces held a proxy, though slopes of two to fourteen degrees lead
+/// on.
+std::vector<Corner> corners_of_a_scan()
+{
+    return {{mesh_of({Vec3(0.690, -2.419, 0.134), Vec3(0.195, -1.660, 1.706),
+                      Vec3(0.781, -1.902, -0.728), Vec3(0.131, -0.063, -1.777),
+                      Vec3(-0.196, 0.168, 1.995), Vec3(0, 0, 0), Vec3(-0.990, 1.933, 0.940),
+                      Vec3(-1.938, 1.924, -0.003)},
+                     {{1, 4, 5}, {3, 2, 5}, {0, 5, 2}, {5, 4, 6}, {0, 1, 5}, {5, 6, 7}, {3, 5, 7}}),
+             Vec3(0.925674, 0.296913, 0.234459)},
+            {mesh_of({Vec3(0, 0, 0), Vec3(0.821, -1.805, 0.051), Vec3(1.225, 0.048, 1.464),
+                      Vec3(-1.342, 1.913, 1.162), Vec3(-0.027, 2.028, 2.094),
+                      Vec3(-1.245, -0.161, -1.701), Vec3(0.208, -1.899, -1.165)},
+                     {{0, 1, 2}, {3, 0, 4}, {0, 2, 4}, {5, 0, 3}, {0, 5, 6}, {0, 6, 1}}),
+             Vec3(0.519751, 0.571593, -0.634933)},
+            {mesh_of({Vec3(0.014, -1.997, 2.286), Vec3(-1.278, -0.091, 1.141),
+                      Vec3(-1.295, 1.869, -0.658), Vec3(0, 0, 0), Vec3(-0.012, 1.914, -1.150),
+                      Vec3(1.281, -2.295, -0.244), Vec3(0.593, -0.510, -1.756)},
+                     {{1, 2, 3}, {1, 3, 0}, {0, 3, 5}, {5, 3, 6}, {4, 6, 3}, {2, 4, 3}}),
+             Vec3(0.716428, 0.544196, 0.436557)}};
+}
+
+/// A star whose spokes go up and down at random, round a top or in a hollow.
+Corner random_corner(std::mt19937_64& random)
+{
+    std::uniform_real_distribution<double> unit(-1, 1);
+    const auto spokes = static_cast<std::uint32_t>(4 + random() % 6U);
+    const double rise = 0.4 * unit(random);
+    std::vector<Vec3> positions = {Vec3::Zero()};
+    std::vector<TriangleCorners> triangles;
+    for (std::uint32_t i = 0; i < spokes; ++i) {
+        const double angle = 2 * std::numbers::pi * i / spokes;
+        positions.emplace_back(std::cos(angle), std::sin(angle), rise + 0.4 * unit(random));
+        triangles.push_back({0, i + 1, (i + 1) % spokes + 1});
+    }
+    const double x = 0.3 * unit(random);
+    const double y = 0.3 * unit(random);
+    return {mesh_of(std::move(positions), std::move(triangles)), Vec3(x, y, -1).normalized()};
+}
+
+/// Where a point ends that comes down on the corner.
+Vec3 end_of_slide(const Corner& corner, const Vec3& goal)
+{
+    const MeshContactSurface surface(corner.mesh);
+    Proxy proxy(surface, {});
+    proxy.place(-0.1 * corner.towards);
+    for (int tick = 0; tick < 50; ++tick) proxy.follow(goal);
+    EXPECT_EQ(proxy.last().slide.end, SlideEnd::settled);
+    return proxy.last().proxy;
+}
+
+bool passes(const TriangleMesh& mesh, const Vec3& from, const Vec3& to)
+{
+    for (std::uint32_t id = 0; id < mesh.triangle_count(); ++id) {
+        if (segment_meets_triangle(from, to, mesh.triangle(TriangleId{id}))) return true;
+    }
+    return false;
+}
+
+/// Whether some of many short straight ways leads nearer to the goal by more than a slope of two
+/// degrees and passes no triangle.
+bool can_come_nearer(const Corner& corner, const Vec3& p, const Vec3& goal, std::mt19937_64& random)
+{
+    std::normal_distribution<double> normal;
+    const Vec3 towards = (goal - p).normalized();
+    for (int i = 0; i < 3000; ++i) {
+        const Vec3 any = Vec3{normal(random), normal(random), normal(random)};
+        const Vec3 way = (i % 2 == 0 ? any : Vec3(any - any.dot(towards) * towards + 0.1 * towards))
+                             .normalized();
+        if (way.dot(towards) > 0.035 && !passes(corner.mesh, p, p + 1e-4 * way)) return true;
+    }
+    return false;
+}
+
+TEST(CornerWays, LetAPointGoOnWhereOnlyItsGapIsHeld)
+{
+    std::mt19937_64 random(1);
+    for (const Corner& corner : corners_of_a_scan()) {
+        const Vec3 goal = 0.3 * corner.towards;
+        const Vec3 end = end_of_slide(corner, goal);
+        EXPECT_GT(end.norm(), 1e-3) << "held at the corner";
+        EXPECT_FALSE(can_come_nearer(corner, end, goal, random)) << end.transpose();
+    }
+}
+
+TEST(CornerWays, EndWhereNothingIsNearer)
+{
+    const std::uint64_t seed = 20261127;
+    SCOPED_TRACE(seed);
+    std::mt19937_64 random(seed);
+    int at_corners = 0;
+    for (int i = 0; i < 300; ++i) {
+        const Corner corner = random_corner(random);
+        const Vec3 goal = 0.2 * corner.towards;
+        const Vec3 end = end_of_slide(corner, goal);
+        EXPECT_FALSE(can_come_nearer(corner, end, goal, random)) << i << ": " << end.transpose();
+        at_corners += end.norm() < 1e-6 ? 1 : 0;
+    }
+    EXPECT_GT(at_corners, 10) << "some corners hold a point";
+}
+
+TEST(CornerWays, LeadOutOfNoRoomsCorner)
+{
+    // Three walls that meet at right angles, seen from inside.
+    const TriangleMesh walls = mesh_of({Vec3(0, 0, 0), Vec3(1, 0, 0), Vec3(0, 1, 0), Vec3(0, 0, 1)},
+                                       {{0, 1, 2}, {0, 2, 3}, {0, 3, 1}});
+    std::vector<ContactTriangle> near;
+    for (std::uint32_t id = 0; id < 3; ++id)
+        near.push_back({walls.triangle(TriangleId{id}), TriangleId{id}});
+    const double gap = 1e-9;
+    const Vec3 p = Vec3::Constant(gap);
+    EXPECT_FALSE(way_from_corner(near, p, -Vec3::Ones().normalized(), 0.01, gap));
+    // Pulled along a wall there is one, at most along it.
+    const auto way = way_from_corner(near, p, Vec3(1, -0.5, -0.5).normalized(), 0.01, gap);
+    ASSERT_TRUE(way);
+    EXPECT_GT(way->x(), 0.99 * way->norm());
+    EXPECT_NEAR(way->norm(), corner_way * gap, 1e-12 * gap * corner_way);
+    EXPECT_FALSE(way_from_corner(near, p, Vec3(1, -0.5, -0.5).normalized(), 0.9, gap));
+}
+
+} // namespace
+} // namespace proxima::corner_ways_test
