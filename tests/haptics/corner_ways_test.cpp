@@ -126,23 +126,41 @@ TEST(CornerWays, EndWhereNothingIsNearer)
     EXPECT_GT(at_corners, 10) << "some corners hold a point";
 }
 
+std::vector<ContactTriangle> all_of(const TriangleMesh& mesh)
+{
+    std::vector<ContactTriangle> all;
+    for (std::uint32_t id = 0; id < mesh.triangle_count(); ++id)
+        all.push_back({mesh.triangle(TriangleId{id}), TriangleId{id}});
+    return all;
+}
+
 TEST(CornerWays, LeadOutOfNoRoomsCorner)
 {
-    // Three walls that meet at right angles, seen from inside.
-    const TriangleMesh walls = mesh_of({Vec3(0, 0, 0), Vec3(1, 0, 0), Vec3(0, 1, 0), Vec3(0, 0, 1)},
-                                       {{0, 1, 2}, {0, 2, 3}, {0, 3, 1}});
-    std::vector<ContactTriangle> near;
-    for (std::uint32_t id = 0; id < 3; ++id)
-        near.push_back({walls.triangle(TriangleId{id}), TriangleId{id}});
+    // Walls that meet at right angles, seen from inside, one of them in two parts that hardly lean.
+    const std::vector<Vec3> positions = {Vec3(0, 0, 0), Vec3(1, 0, 0), Vec3(0, 1, 0), Vec3(0, 0, 1),
+                                         Vec3(-1e-3, 1, 1)};
+    const TriangleMesh three = mesh_of(positions, {{0, 1, 2}, {0, 2, 3}, {0, 3, 1}});
+    const TriangleMesh four = mesh_of(positions, {{0, 1, 2}, {0, 2, 4}, {0, 4, 3}, {0, 3, 1}});
     const double gap = 1e-9;
-    const Vec3 p = Vec3::Constant(gap);
-    EXPECT_FALSE(way_from_corner(near, p, -Vec3::Ones().normalized(), 0.01, gap));
-    // Pulled along a wall there is one, at most along it.
-    const auto way = way_from_corner(near, p, Vec3(1, -0.5, -0.5).normalized(), 0.01, gap);
-    ASSERT_TRUE(way);
-    EXPECT_GT(way->x(), 0.99 * way->norm());
-    EXPECT_NEAR(way->norm(), corner_way * gap, 1e-12 * gap * corner_way);
-    EXPECT_FALSE(way_from_corner(near, p, Vec3(1, -0.5, -0.5).normalized(), 0.9, gap));
+    for (const TriangleMesh& walls : {three, four})
+        EXPECT_FALSE(way_from_corner(all_of(walls), Vec3::Constant(gap), -Vec3::Ones().normalized(),
+                                     0.01, gap));
+}
+
+TEST(CornerWays, AreSteeperThanAsked)
+{
+    const double gap = 1e-9;
+    for (const Corner& corner : corners_of_a_scan()) {
+        const Vec3 p = -1.5 * gap * corner.towards;
+        const auto way = way_from_corner(all_of(corner.mesh), p, corner.towards, 0.05, gap);
+        ASSERT_TRUE(way);
+        EXPECT_NEAR(way->norm(), corner_way * gap, 1e-12 * corner_way * gap);
+        EXPECT_FALSE(passes(corner.mesh, p, p + *way));
+        const double cosine = way->dot(corner.towards) / way->norm();
+        EXPECT_GT(cosine, 0.05);
+        EXPECT_TRUE(way_from_corner(all_of(corner.mesh), p, corner.towards, 0.99 * cosine, gap));
+        EXPECT_FALSE(way_from_corner(all_of(corner.mesh), p, corner.towards, cosine, gap));
+    }
 }
 
 } // namespace
