@@ -97,6 +97,14 @@ function(proxima_trace_files_only target layer)
   endif()
 endfunction()
 
+# Of a program in C that loads a library of ours: sanitizers are a part of the program.
+function(proxima_link_sanitizers target)
+  if(PROXIMA_SANITIZE)
+    set_target_properties(${target} PROPERTIES LINKER_LANGUAGE CXX)
+    target_link_options(${target} PRIVATE -fsanitize=${PROXIMA_SANITIZE})
+  endif()
+endfunction()
+
 # Sources that Highway compiles once for every instruction set: each is a unit of its own in whole builds
 # that join sources (CMAKE_UNITY_BUILD). On x86 these are AVX-512, AVX2, SSE4 and no lanes, which is what the few
 # processors with SSSE3 and without SSE4 get, too. On Arm it is NEON: lanes of SVE cannot lie in arrays, as kernels keep theirs.
