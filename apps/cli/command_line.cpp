@@ -56,20 +56,11 @@ private:
 /// printable text of a terminal is shown as \xNN.
 void report(std::string_view message) noexcept
 {
-    constexpr std::string_view digits = "0123456789ABCDEF";
     StderrLine line;
     line.add("proxima: ");
-    for (std::size_t position = 0; position < message.size();) {
-        const std::size_t length = utf8_length(message.substr(position));
-        if (length > 0) {
-            line.add(message.substr(position, length));
-            position += length;
-            continue;
-        }
-        const auto byte = static_cast<unsigned char>(message[position++]);
-        const std::array<char, 4> escaped = {'\\', 'x', digits[byte / 16U], digits[byte % 16U]};
-        line.add(byte == '\n' ? " " : std::string_view(escaped.data(), escaped.size()));
-    }
+    for_each_printable(message, [&](std::string_view piece) {
+        line.add(piece == escaped_line_feed ? " " : piece);
+    });
     line.add("\n");
 }
 
@@ -119,9 +110,8 @@ std::string advice_of(const Error& error, const CLI::App& parser)
     const std::size_t at = text.rfind(raise);
     if (error.code == ErrorCode::budget_exceeded && at != std::string::npos) {
         text.replace(at, raise.size(),
-                     parser.get_option_no_throw("--budget-mb") != nullptr ? "raise --budget-mb"
-                     : parser.get_option_no_throw("--lists-mb") != nullptr
-                         ? "raise --lists-mb"
+                     parser.get_option_no_throw("--budget-mb") != nullptr
+                         ? "raise --budget-mb"
                          : "give it more memory (ulimit -v, where that is the limit)");
     }
     return text;
@@ -152,7 +142,7 @@ int run(const Command& command, const CommonOptions& options)
     Status status = options.simd.empty() ? Status() : choose_simd_target(options.simd);
     if (status) status = session.check_outputs({});
     if (status) status = command.run(session);
-    if (status) status = session.finish();
+    if (status) status = finish_stdout();
     if (status) {
         for (const std::string& note : session.notes()) report(note);
         return 0;
@@ -161,6 +151,15 @@ int run(const Command& command, const CommonOptions& options)
     const int signal = InterruptGuard::signal_number();
     return status.error().code == ErrorCode::cancelled && signal != 0 ? first_signal_status + signal
                                                                       : bad_input;
+}
+
+int print_help_or_version(const CLI::App& app, const CLI::ParseError& error)
+{
+    const int code = app.exit(error);
+    const Status status = finish_stdout();
+    if (status) return code;
+    report(describe(status.error()));
+    return bad_input;
 }
 
 int parse_and_run(int argc, char** argv, const char* version, std::span<const AddCommand> adders)
@@ -183,7 +182,7 @@ int parse_and_run(int argc, char** argv, const char* version, std::span<const Ad
     try {
         app.parse(argc, argv);
     } catch (const CLI::ParseError& error) {
-        if (error.get_exit_code() == 0) return app.exit(error); // help or version
+        if (error.get_exit_code() == 0) return print_help_or_version(app, error);
         const auto found = std::ranges::find_if(commands, asked_for);
         if (found == commands.end() && argc > 1 && argv[1][0] != '-') {
             std::vector<std::string> names;

@@ -86,7 +86,7 @@ Result<ViewVolume> volume_of_camera(const CullOptions& options, const TriangleMe
          .near = view.near()});
 }
 
-Status check_options(const CullOptions& options, const Session& session)
+Status check_options(const CullOptions& options, Session& session)
 {
     // With planes, --up is for the picture.
     CameraChoice camera = options.camera;

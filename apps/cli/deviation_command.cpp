@@ -51,7 +51,7 @@ struct DeviationModel {
     MeshIndex index;
 };
 
-Status check_deviation_options(const DeviationOptions& options, const Session& session)
+Status check_deviation_options(const DeviationOptions& options, Session& session)
 {
     if (!options.out.empty() && lower_case_extension(options.out) != ".ply") {
         return fail(ErrorCode::unsupported_format, "--out writes .ply alone", options.out);

@@ -79,7 +79,7 @@ struct PoseAnswer {
     double distance_seconds = 0;
 };
 
-Status check_options(const IntersectOptions& options, const Session& session)
+Status check_options(const IntersectOptions& options, Session& session)
 {
     const auto wants = [](const std::string& path, std::string_view extension,
                           std::string_view option) -> Status {

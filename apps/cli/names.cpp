@@ -176,7 +176,18 @@ std::size_t utf8_length(std::string_view text) noexcept
     const bool is_overlong = code < (length == 4 ? 0x10000U : length == 3 ? 0x800U : 0x80U);
     const bool is_surrogate = code >= 0xD800 && code < 0xE000;
     const bool is_control = code < 0xA0;
-    return is_overlong || is_surrogate || is_control || code > 0x10FFFF ? 0 : length;
+    // With these a name could show what stands beside it in another order.
+    const bool is_direction =
+        (code >= 0x202A && code <= 0x202E) || (code >= 0x2066 && code <= 0x2069);
+    return is_overlong || is_surrogate || is_control || is_direction || code > 0x10FFFF ? 0
+                                                                                        : length;
+}
+
+std::string printable(std::string_view text)
+{
+    std::string shown;
+    for_each_printable(text, [&](std::string_view piece) { shown += piece; });
+    return shown;
 }
 
 } // namespace proxima

@@ -47,7 +47,7 @@ struct OctreeCommandOptions {
 };
 
 /// Refuses before the work what could not be written after it.
-Status check_outputs(const OctreeCommandOptions& options, const Session& session)
+Status check_outputs(const OctreeCommandOptions& options, Session& session)
 {
     if (options.as_printed &&
         (options.method != OverlapMethod::minkowski || options.exact || options.two_pass)) {

@@ -125,6 +125,12 @@ Result<Poses> read_poses(const std::string& path_or_pose, Session& session)
         return refuse(concat(
             "'", text, "' has a number that is NaN, infinite or beyond doubles: give finite ones"));
     const auto table = session.load_table(path_or_pose, {pose_layouts});
+    if (!table && table.error().code == ErrorCode::file_not_found) {
+        return fail(table.error().code,
+                    concat("is no pose, and no file of poses either (", table.error().message,
+                           "): give ", pose_forms),
+                    path_or_pose);
+    }
     if (!table) return tl::unexpected(table.error());
     Poses poses;
     poses.poses.reserve(table->rows());

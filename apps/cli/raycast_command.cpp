@@ -45,7 +45,7 @@ constexpr std::size_t round_rays = 256 * task_rays; ///< answered before they ar
 constexpr std::size_t task_cell_rays = 64;
 constexpr std::size_t round_cell_rays = 64 * task_cell_rays;
 
-Status check_options(const RaycastOptions& options, const Session& session)
+Status check_options(const RaycastOptions& options, Session& session)
 {
     const int sources = (options.rays_file.empty() ? 0 : 1) + (options.rays.empty() ? 0 : 1) +
                         (options.has_camera ? 1 : 0);

@@ -191,7 +191,7 @@ tl::unexpected<Error> of_option(Error error, const std::string& model)
     return tl::unexpected(std::move(error));
 }
 
-Status check_files(const RepairCommandOptions& options, const Session& session)
+Status check_files(const RepairCommandOptions& options, Session& session)
 {
     const Status outputs = session.check_outputs({options.out, options.map, options.vertex_map});
     if (!outputs) return outputs;

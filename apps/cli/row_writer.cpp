@@ -23,8 +23,7 @@ std::string rows_path(const std::string& out, const Session& session,
     return out.empty() && nothing_else ? to_stdout : out;
 }
 
-Status check_rows(const std::string& path, const Session& session,
-                  const std::vector<std::string>& others)
+Status check_rows(const std::string& path, Session& session, const std::vector<std::string>& others)
 {
     if (!path.empty()) {
         if (const auto format = answer_format(path); !format) return tl::unexpected(format.error());
@@ -32,7 +31,7 @@ Status check_rows(const std::string& path, const Session& session,
     return check_outputs_or_stdout(path, session, others);
 }
 
-Status check_outputs_or_stdout(const std::string& path, const Session& session,
+Status check_outputs_or_stdout(const std::string& path, Session& session,
                                const std::vector<std::string>& others)
 {
     std::vector<std::string> files = others;

@@ -26,12 +26,12 @@ void add_rows_option(CLI::App& parser, std::string& path);
 
 /// What would go wrong with rows to `path`: to be asked before long work. Errors: those of
 /// answer_format and Session::check_outputs; invalid_argument where --json goes to stdout too.
-[[nodiscard]] Status check_rows(const std::string& path, const Session& session,
+[[nodiscard]] Status check_rows(const std::string& path, Session& session,
                                 const std::vector<std::string>& others = {});
 
 /// What would go wrong with outputs of which the first may be stdout. Errors: those of
 /// Session::check_outputs; invalid_argument where --json goes to stdout too.
-[[nodiscard]] Status check_outputs_or_stdout(const std::string& path, const Session& session,
+[[nodiscard]] Status check_outputs_or_stdout(const std::string& path, Session& session,
                                              const std::vector<std::string>& others = {});
 
 class RowWriter {
@@ -42,7 +42,7 @@ public:
     [[nodiscard]] bool is_wanted() const noexcept { return wanted_; }
     [[nodiscard]] AnswerFormat format() const noexcept { return format_; }
 
-    /// Nothing where no rows are wanted. What stdout did not take, Session::finish says.
+    /// Nothing where no rows are wanted. What stdout did not take, finish_stdout says.
     [[nodiscard]] Status write(std::string_view text);
 
     /// Writes the texts of `count` items in order, after threads have made them: make(first, end)

@@ -1,7 +1,6 @@
 #include "cli/session.h"
 
 #include "base/file_extension.h"
-#include "base/output_file.h"
 #include "base/text.h"
 #include "cli/names.h"
 #include "proxima/index_io.h"
@@ -16,6 +15,7 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 #include <system_error>
+#include <utility>
 
 namespace proxima {
 
@@ -51,12 +51,35 @@ std::string_view without_kind(std::string_view argument)
     return argument;
 }
 
+void make_printable(std::string_view name, std::string& text)
+{
+    const std::string shown = printable(name);
+    if (shown == name) return;
+    for (std::size_t at = 0; (at = text.find(name, at)) != std::string::npos; at += shown.size())
+        text.replace(at, name.size(), shown);
+}
+
+/// A text, which may have lines, with the names in it, with and without their folders, as a terminal
+/// can show them in one line.
+std::string with_printable_names(std::string text, const std::vector<std::string>& names)
+{
+    for (const std::string_view name : names) {
+        make_printable(name, text);
+        make_printable(name.substr(name.rfind('/') + 1), text);
+    }
+    return text;
+}
+
 } // namespace
 
 void Session::print(std::string_view text) const
 {
     if (options_.quiet || options_.json == to_stdout) return;
-    std::fwrite(text.data(), 1, text.size(), stdout); // finish() asks whether it arrived
+    std::string shown;
+    for_each_printable(
+        with_printable_names(std::string(text), options_.arguments),
+        [&](std::string_view piece) { shown += piece == escaped_line_feed ? "\n" : piece; });
+    std::fwrite(shown.data(), 1, shown.size(), stdout); // finish_stdout() asks whether it arrived
 }
 
 void Session::note(std::string_view line)
@@ -79,7 +102,7 @@ Status Session::write_json(const nlohmann::ordered_json& result) const
     return file->commit();
 }
 
-Status Session::finish() const
+Status finish_stdout()
 {
     if (std::fflush(stdout) == 0 && std::ferror(stdout) == 0) return {};
     return fail(ErrorCode::file_not_writable,
@@ -123,7 +146,7 @@ Status Session::check_running() const
     return fail(ErrorCode::cancelled, "stopped on request; nothing more was written");
 }
 
-Status Session::check_outputs(const std::vector<std::string>& files) const
+Status Session::check_outputs(const std::vector<std::string>& files)
 {
     std::vector<std::string> seen;
     const auto check = [&](const std::string& path) -> Status {
@@ -135,7 +158,12 @@ Status Session::check_outputs(const std::vector<std::string>& files) const
         }
         seen.push_back(file);
         auto output = OutputFile::create(path); // thrown away uncommitted
-        return output ? Status{} : tl::unexpected(output.error());
+        if (output) {
+            if (output->is_direct()) outputs_.push_back(std::move(*output));
+            return {};
+        }
+        if (auto status = check_running(); !status) return status;
+        return tl::unexpected(output.error());
     };
     for (const std::string& path : files) {
         if (path == to_stdout) {

@@ -1,6 +1,7 @@
 // What every subcommand has: the common options, progress that Ctrl-C stops, and where output goes.
 #pragma once
 
+#include "base/output_file.h"
 #include "cli/number_table.h"
 #include "cli/progress_bar.h"
 #include "proxima/execution.h"
@@ -28,6 +29,9 @@ struct CommonOptions {
     std::string simd;              ///< the instruction set of kernels, empty for the best
     std::vector<std::string> arguments; ///< values of all options, as given: input files among them
 };
+
+/// Error file_not_writable where stdout did not take everything: to be asked last.
+[[nodiscard]] Status finish_stdout();
 
 /// One run of a subcommand.
 class Session {
@@ -59,7 +63,8 @@ public:
                                  : BarMode::automatic;
     }
 
-    /// Writes text for people to stdout, unless they want none or stdout is for JSON.
+    /// Writes text for people to stdout, unless they want none or stdout is for JSON. What a
+    /// terminal cannot show is written as \xNN, in names of files line feeds too.
     void print(std::string_view text) const;
 
     /// A line for people, unless they want none, on what was decided for them. The command ends with
@@ -69,9 +74,6 @@ public:
 
     /// Writes the result where --json says; nothing without it.
     [[nodiscard]] Status write_json(const nlohmann::ordered_json& result) const;
-
-    /// Error file_not_writable where stdout did not take everything: to be asked last.
-    [[nodiscard]] Status finish() const;
 
     /// The mesh of a built-in name or a file.
     [[nodiscard]] Result<TriangleMesh> load_model(const std::string& model);
@@ -85,8 +87,9 @@ public:
     /// What would go wrong with writing to --json and to `files`: to be asked before long work, so
     /// that a wrong folder does not cost its result. Empty names are left out. Errors:
     /// invalid_argument (two outputs that are one file, a file that another argument names as well,
-    /// or stdout for other than --json), file_not_writable.
-    [[nodiscard]] Status check_outputs(const std::vector<std::string>& files) const;
+    /// or stdout for other than --json), file_not_writable, cancelled. A pipe is kept open from here
+    /// on, as its reader would take closing it for the end of the output.
+    [[nodiscard]] Status check_outputs(const std::vector<std::string>& files);
 
 private:
     [[nodiscard]] Status check_inputs(const std::vector<std::string>& outputs) const;
@@ -94,6 +97,7 @@ private:
     CommonOptions options_;
     Progress progress_;
     std::vector<std::string> notes_;
+    std::vector<OutputFile> outputs_; ///< those that are no regular files
 };
 
 } // namespace proxima

@@ -1,6 +1,7 @@
 #include "cli/touch_tool.h"
 
 #include "base/output_file.h"
+#include "cli/model_options.h"
 #include "cli/names.h"
 #include "cli/touch_device.h"
 #include "cli/touch_options.h"
@@ -135,8 +136,10 @@ Result<MeshIndex> load_tool(const ToolCommandOptions& options, Session& session)
     for (Vec3& position : positions) position *= options.tool_scale;
     auto scaled = make_triangle_mesh(std::move(positions),
                                      {mesh->triangles().begin(), mesh->triangles().end()});
-    if (!scaled) return tl::unexpected(scaled.error());
-    return build_mesh_index(*scaled, {.execution = session.execution()});
+    if (!scaled) return at_model(scaled.error(), options.tool);
+    auto index = build_mesh_index(*scaled, {.execution = session.execution()});
+    if (!index) return at_model(index.error(), options.tool);
+    return index;
 }
 
 std::string row_of(double seconds, const ToolTick& tick)

@@ -73,7 +73,7 @@ Status write_triangle_file(const TriangleMesh& mesh, std::span<const TriangleId>
     if (path == to_stdout) {
         const std::string text = csv_of(triangles);
         std::fwrite(text.data(), 1, text.size(),
-                    stdout); // what it did not take, Session::finish says
+                    stdout); // what it did not take, finish_stdout says
         return {};
     }
     const std::string text = extension == ".csv" ? csv_of(triangles) : npy_of(triangles);

@@ -142,40 +142,35 @@ class ListingControls final : public Controls {
 public:
     bool toggle(std::string_view name, bool& value) override
     {
-        return add(concat(name, " = ", value ? "on" : "off", " (on, off)"));
+        return add(name, value ? "on" : "off", "on, off");
     }
     bool number(std::string_view name, int& value, int least, int most) override
     {
-        return add(concat(name, " = ", value, " (", least, " to ", most, ")"));
+        return add(name, to_text(value), concat(least, " to ", most));
     }
     bool number(std::string_view name, double& value, double least, double most) override
     {
-        return add(concat(name, " = ", value, " (", least, " to ", most, ")"));
+        return add(name, to_text(value), concat(least, " to ", most));
     }
     bool choice(std::string_view name, std::size_t& value,
                 std::span<const std::string_view> words) override
     {
-        return add(concat(name, " = ", value < words.size() ? words[value] : "", " (",
-                          joined(words), ")"));
+        return add(name, std::string(value < words.size() ? words[value] : ""), joined(words));
     }
     bool text(std::string_view name, std::string& value) override
     {
-        return add(concat(name, " = ", value, " (any words)"));
+        return add(name, value, "any words");
     }
-    bool button(std::string_view name) override { return add(concat(name, " (press)")); }
-    void begin_condition(std::string_view words, bool /*is_met*/) override
-    {
-        condition_ = concat(", needs ", words);
-    }
+    bool button(std::string_view name) override { return add(name, std::nullopt, "press"); }
+    void begin_condition(std::string_view words, bool /*is_met*/) override { condition_ = words; }
     void end_condition() override { condition_.clear(); }
 
-    std::vector<std::string> lines;
+    std::vector<ControlDescription> controls;
 
 private:
-    bool add(std::string line)
+    bool add(std::string_view name, std::optional<std::string> value, std::string values)
     {
-        line += condition_;
-        lines.push_back(std::move(line));
+        controls.push_back({std::string(name), std::move(value), std::move(values), condition_});
         return false;
     }
 
@@ -212,11 +207,17 @@ Status apply_settings(const std::vector<std::string>& settings,
     return {};
 }
 
-std::vector<std::string> describe_controls(const std::function<void(Controls&)>& offer)
+std::string ControlDescription::text() const
 {
-    ListingControls controls;
-    offer(controls);
-    return controls.lines;
+    return concat(name, value ? concat(" = ", *value) : "", " (", values, ")",
+                  needs.empty() ? "" : concat(", needs ", needs));
+}
+
+std::vector<ControlDescription> describe_controls(const std::function<void(Controls&)>& offer)
+{
+    ListingControls listing;
+    offer(listing);
+    return listing.controls;
 }
 
 } // namespace proxima

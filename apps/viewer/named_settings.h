@@ -6,6 +6,7 @@
 
 #include <functional>
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -18,9 +19,19 @@ namespace proxima {
 [[nodiscard]] Status apply_settings(const std::vector<std::string>& settings,
                                     const std::function<void(Controls&)>& offer);
 
-/// What is offered, with values: one line each, "depth = 5 (0 to 12)",
-/// with the condition where there is one: "cut at = 0 (-1 to 1), needs cut plane=on".
-[[nodiscard]] std::vector<std::string>
+/// A control in the words of --set.
+struct ControlDescription {
+    std::string name;
+    std::optional<std::string> value; ///< none: a button
+    std::string values;               ///< that it may have: "0 to 12", "on, off"
+    std::string needs;                ///< its condition, "cut plane=on"; empty without one
+
+    /// "cut at = 0 (-1 to 1), needs cut plane=on"
+    [[nodiscard]] std::string text() const;
+};
+
+/// What is offered, with the present values.
+[[nodiscard]] std::vector<ControlDescription>
 describe_controls(const std::function<void(Controls&)>& offer);
 
 } // namespace proxima

@@ -102,16 +102,26 @@ Status run_headless(const ViewOptions& options, Session& session)
                                {"facts", facts_of(viewer)}});
 }
 
+Status list_controls(const ViewOptions& options, Session& session)
+{
+    Viewer viewer;
+    if (Status status = prepare(viewer, options); !status) return status;
+    auto json = nlohmann::ordered_json::array();
+    for (const ControlDescription& control :
+         describe_controls([&](Controls& controls) { viewer.offer(controls); })) {
+        session.print(control.text() + '\n');
+        json.push_back({{"name", control.name},
+                        {"value", nullptr},
+                        {"values", control.values},
+                        {"needs", control.needs}});
+        if (control.value) json.back()["value"] = *control.value;
+    }
+    return session.write_json({{"panel", viewer.panel().name()}, {"controls", json}});
+}
+
 Status run_view(const ViewOptions& options, Session& session)
 {
-    if (options.list_controls) {
-        Viewer viewer;
-        if (Status status = prepare(viewer, options); !status) return status;
-        for (const std::string& line :
-             describe_controls([&](Controls& controls) { viewer.offer(controls); }))
-            session.print(line + '\n');
-        return {};
-    }
+    if (options.list_controls) return list_controls(options, session);
     if (Status status = session.check_outputs({options.picture, options.out}); !status)
         return status;
     if (Status status = check_picture(options.picture); !status) return status;

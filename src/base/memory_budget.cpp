@@ -46,10 +46,13 @@ Status check_budget(MemoryBudget budget, std::uint64_t needed, std::string_view 
 {
     const auto limit = budget_bytes(budget);
     if (needed <= limit) return {};
-    const auto megabytes = [](std::uint64_t bytes) { return (bytes + 999'999) / 1'000'000; };
-    return fail(ErrorCode::budget_exceeded,
-                concat(what, " needs at least ", megabytes(needed), " MB, the budget is ",
-                       megabytes(limit), " MB: ", advice));
+    constexpr std::uint64_t megabyte = 1'000'000;
+    const std::string needed_text = concat((needed + megabyte - 1) / megabyte, " MB");
+    // Rounded the other way, so that what does not fit looks so.
+    const std::string limit_text =
+        limit < megabyte ? concat(limit, " bytes") : concat(limit / megabyte, " MB");
+    return fail(ErrorCode::budget_exceeded, concat(what, " needs at least ", needed_text,
+                                                   ", the budget is ", limit_text, ": ", advice));
 }
 
 } // namespace proxima

@@ -5,6 +5,7 @@
 
 #include <atomic>
 #include <cerrno>
+#include <chrono>
 #include <csignal>
 #include <cstring>
 #include <ctime>
@@ -19,6 +20,7 @@
 #include <sys/file.h>
 #include <sys/stat.h>
 #include <system_error>
+#include <thread>
 #include <unistd.h>
 #include <vector>
 
@@ -30,6 +32,10 @@ namespace fs = std::filesystem;
 
 constexpr std::size_t buffer_size = std::size_t{1} << 18U;
 constexpr int max_links = 40;
+
+// As in `cat pipe & proxima ... --out pipe`: the reader may be a little later than the writer.
+constexpr std::chrono::milliseconds wait_for_reader{10};
+constexpr int max_waits_for_reader = 100;
 
 std::string reason(int error_number)
 {
@@ -242,10 +248,21 @@ struct OutputFile::State {
         temporary.clear();
     }
 
-    Status open_directly()
+    Status open_directly(bool is_pipe)
     {
-        descriptor = ::open(destination.c_str(), O_WRONLY | O_APPEND | O_CLOEXEC | O_NOCTTY);
-        if (descriptor < 0) return not_writable(name, reason(errno));
+        constexpr int flags = O_WRONLY | O_APPEND | O_CLOEXEC | O_NOCTTY;
+        // Opening a pipe without a reader would wait for one for ever.
+        descriptor = ::open(destination.c_str(), flags | O_NONBLOCK);
+        for (int i = 0; is_pipe && descriptor < 0 && errno == ENXIO; ++i) {
+            if (is_cancelled(progress)) return cancelled("writing", name.string());
+            if (i == max_waits_for_reader) {
+                return not_writable(name, "no program reads this pipe: start its reader first");
+            }
+            std::this_thread::sleep_for(wait_for_reader);
+            descriptor = ::open(destination.c_str(), flags | O_NONBLOCK);
+        }
+        if (descriptor < 0 || ::fcntl(descriptor, F_SETFL, O_APPEND) != 0)
+            return not_writable(name, reason(errno));
         return {};
     }
 
@@ -302,6 +319,12 @@ OutputFile::OutputFile(OutputFile&&) noexcept = default;
 OutputFile& OutputFile::operator=(OutputFile&&) noexcept = default;
 OutputFile::~OutputFile() = default;
 
+bool OutputFile::is_direct() const noexcept
+{
+    PROXIMA_CHECK(state_ != nullptr);
+    return state_->temporary.empty();
+}
+
 Result<OutputFile> OutputFile::create(const fs::path& path, const OutputOptions& options)
 {
     if (options.progress != nullptr) options.progress->begin_stage("writing", options.bytes);
@@ -315,7 +338,9 @@ Result<OutputFile> OutputFile::create(const fs::path& path, const OutputOptions&
     const bool exists = ::stat(path.c_str(), &existing) == 0;
     if (exists && S_ISDIR(existing.st_mode)) return not_writable(path, "it is a folder");
     if (exists && (!S_ISREG(existing.st_mode) || is_below_device_folders(path))) {
-        if (auto status = state->open_directly(); !status) return tl::unexpected(status.error());
+        const bool is_pipe = S_ISFIFO(existing.st_mode);
+        if (auto status = state->open_directly(is_pipe); !status)
+            return tl::unexpected(status.error());
     } else {
         if (exists && ::access(path.c_str(), W_OK) != 0) return not_writable(path, reason(errno));
         const auto target = follow_links(path);

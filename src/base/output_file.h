@@ -36,12 +36,13 @@ struct OutputOptions {
 ///
 /// A destination that is no regular file (/dev/full, a pipe), and what exists under /dev, but for
 /// /dev/shm, and under /proc (/dev/stdout is a file when redirected), is appended to directly: there
-/// commit() only tells whether all of it arrived. Writes go through a buffer. Not thread safe; two objects for one
-/// destination may live at the same time, the last commit wins.
+/// commit() only tells whether all of it arrived. Writes go through a buffer. Not thread safe; two
+/// objects for one destination may live at the same time, the last commit wins.
 class OutputFile {
 public:
     /// Error file_not_writable with the reason: folder missing or read-only, destination is a
-    /// folder or read-only, disk full.
+    /// folder or read-only, disk full, a pipe that nobody has begun to read within a second;
+    /// cancelled where options.progress asks to stop meanwhile.
     [[nodiscard]] static Result<OutputFile> create(const std::filesystem::path& path,
                                                    const OutputOptions& options = {});
 
@@ -50,6 +51,9 @@ public:
     OutputFile(const OutputFile&) = delete;
     OutputFile& operator=(const OutputFile&) = delete;
     ~OutputFile();
+
+    /// Whether the destination is appended to directly.
+    [[nodiscard]] bool is_direct() const noexcept;
 
     /// Appends. Error file_not_writable where the system refuses bytes (disk full, file-size
     /// limit), cancelled where options.progress asks to stop; from then on every call returns the

@@ -252,7 +252,7 @@ class Outputs(ProgramTest):
         def little_memory():
             resource.setrlimit(resource.RLIMIT_AS, (400_000_000, 400_000_000))
         for arguments in (("raycast", "spaceship:1000000", "--size", "10x10", "--picture", self.folder / "a.png"),
-                          ("check", "spaceship:1000000")):
+                          ("check", "spaceship:1000000"), ("index", "spaceship:1000000", "--lists")):
             with self.subTest(arguments):
                 said = self.refuse(*arguments, says="memory", preexec_fn=little_memory)
                 self.assertNotIn("raise", said)
@@ -273,6 +273,9 @@ class Outputs(ProgramTest):
         for extra in ((), ("--json", "-")):
             with open("/dev/full", "w") as full, self.subTest(extra=extra):
                 self.refuse("octree", "cube", *extra, stdout=full, says="standard output")
+        for arguments in (("--help",), ("--version",), ("octree", "--help")):
+            with open("/dev/full", "w") as full, self.subTest(arguments):
+                self.refuse(*arguments, stdout=full, says="standard output: cannot write: No space left")
 
     def test_file_size_limit_keeps_the_old_file(self):
         for option, name in self.each():

@@ -5,10 +5,12 @@ import pathlib
 import pty
 import re
 import shutil
+import signal
 import struct
 import subprocess
 import sys
 import tempfile
+import time
 import unittest
 import zlib
 
@@ -395,6 +397,94 @@ class Parser(ProgramTest):
         self.refuse("compare", "cube", "--methods", "fast,,pairwise", status=2, says="--methods")
         self.refuse("tables", "--only", "9.9", status=2, says=("9.9", "2.1"))
         self.refuse("octree", "cube", "--threads", -1, status=2, says="--threads")
+
+
+class Controls(ProgramTest):
+    def test_json_says_what_the_text_says(self):
+        for panel, *settings in (("octree", "--set", "depth=7", "--set", "cut plane=on"), ("touch",)):
+            asked = ("view", "--panel", panel, *settings, "--controls")
+            result = self.json_of(*asked)
+            self.assertEqual((list(result), result["panel"]), (["panel", "controls"], panel))
+            self.assertGreater(len(result["controls"]), 5)
+            lines = [control["name"] + ("" if control["value"] is None else f" = {control['value']}") + f" ({control['values']})" +
+                     (f", needs {control['needs']}" if control["needs"] else "") for control in result["controls"]]
+            self.assertEqual(self.succeed(*asked).splitlines(), lines)
+
+
+class Reports(ProgramTest):
+    HOSTILE = os.fsdecode(b"ok\n\x1b[31m\xff\xe2\x80\xae")
+    SHOWN = r"ok\x0A\x1B[31m\xFF\xE2\x80\xAE"
+
+    def test_names_are_shown_so_that_they_change_nothing_else(self):
+        model = self.file(self.HOSTILE + ".ply", mesh_files.PLAIN["ascii.ply"])
+        out = self.folder / f"out {self.HOSTILE}"
+        saved = f"{out}.pxi"
+        session = f"{out}.pxt"
+        touch = ("--free-running", "--seconds", 0.01)
+        for arguments, shown in ((("check", model), (".ply",)), (("repair", model, "--out", f"{out}.off"), (".ply",)),
+                                 (("closest", model, "--point", "0,0,2", "--out", f"{out}.csv"), (".ply", ".csv")),
+                                 (("cull", model, "--view", "front", "--out", f"{out}.npy", "--picture", f"{out}.png"), (".npy", ".png")),
+                                 (("index", model, "--save", saved), (".ply", ".pxi")), (("check", saved), (".pxi",)),
+                                 (("octree", model, "--save", f"{out}.pxo", "--out", f"{out}.ply"), (".ply", ".pxo")),
+                                 (("check", f"{out}.pxo"), (".pxo",)), (("sdf", model, "--out", f"{out}.vti"), (".ply", ".vti")),
+                                 (("view", model, "--out", f"{out}.glb"), (".glb",)),
+                                 (("touch", model, "--device", "hand:press", "--record", session, *touch), (".ply", ".pxt")),
+                                 (("touch", model, "--device", f"replay:{session}"), (".ply", ".pxt"))):
+            with self.subTest(arguments):
+                text = self.succeed(*arguments)
+                for extension in shown:
+                    self.assertIn(self.SHOWN + extension, text)
+                self.assertEqual([c for c in text if c != "\n" and not c.isprintable()], [])
+                self.assertNotIn("ok\n", text)
+
+
+class Pipes(ProgramTest):
+    """Outputs that are named pipes."""
+
+    def pipe(self, name):
+        path = self.folder / name
+        os.mkfifo(path)
+        return path
+
+    def test_a_reader_gets_everything(self):
+        for arguments, option, name in ((("repair", "icosphere:5"), "--out", "a.off"),
+                                        (("octree", "cube"), "--json", "a.json"),
+                                        (("closest", "cube", "--point", "0,0,2"), "--out", "a.csv"),
+                                        (("octree", "icosphere:3"), "--save", "a.pxo")):
+            with self.subTest(name):
+                pipe = self.pipe(f"pipe-{name}")
+                with subprocess.Popen(["cat", pipe], stdout=subprocess.PIPE) as reader:
+                    writer = subprocess.Popen([PROXIMA, *arguments, option, pipe, "--quiet"], env=environment_of_program())
+                    self.addCleanup(writer.kill)
+                    got = reader.communicate(timeout=60)[0]
+                    self.assertEqual(writer.wait(timeout=60), 0)
+                if option == "--json":
+                    self.assertEqual(list(json.loads(got)), OCTREE_KEYS)
+                    continue
+                self.succeed(*arguments, option, self.folder / name, "--quiet")
+                self.assertTrue(got == (self.folder / name).read_bytes())
+
+    def test_a_pipe_that_nobody_reads(self):
+        for option, name in (("--out", "a.off"), ("--json", "a.json")):
+            pipe = self.pipe(name)
+            self.refuse("repair", "icosphere:1", option, pipe, timeout=60, says=(name, "start its reader first"))
+
+    def test_a_signal_ends_the_wait_for_a_reader(self):
+        process = subprocess.Popen([PROXIMA, "repair", "icosphere:1", "--out", self.pipe("a.off")], stdout=subprocess.PIPE,
+                                   stderr=subprocess.PIPE, text=True, env=environment_of_program())
+        self.addCleanup(process.kill)
+        while not self.catches(process.pid, signal.SIGTERM):
+            self.assertIsNone(process.poll())
+            time.sleep(0.001)
+        process.send_signal(signal.SIGTERM)
+        error = process.communicate(timeout=60)[1]
+        self.assertEqual((process.returncode, error.count("\n")), (143, 1), error)
+
+    @staticmethod
+    def catches(pid, number):
+        with open(f"/proc/{pid}/status") as file:
+            caught, = (line.split()[1] for line in file if line.startswith("SigCgt:"))
+        return int(caught, 16) >> (number - 1) & 1
 
 
 class Terminal(ProgramTest):

@@ -60,6 +60,7 @@ class ContactTime(ProgramTest):
         for pose in ("nan,0,0", "0,-inf,0", "1e999,0,0", "nan,0,0@0,0,1,90"):
             self.refuse("contact-time", "cube", "cube", f"--to={pose}", says="finite")
         self.refuse("contact-time", "cube", "cube", status=2, says="--to")
+        self.refuse("contact-time", "cube", "cube", "--to", "-1", says=("-1: is no pose", "No such file", "TX,TY,TZ"))
         self.refuse("contact-time", "cube", "cube", "--to", "1,0,0", "--tolerance", "-1", status=2, says="--tolerance")
         self.refuse("contact-time", "cube", "cube", "--to", self.file("two.csv", "1,0,0\n2,0,0\n"), says="one pose")
 

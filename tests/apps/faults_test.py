@@ -164,6 +164,9 @@ class Kills(FaultTest):
         return not list(folder.glob(".proxima-*")) and (folder / "next.off").exists()
 
 
+CLOSED_STDOUT = "proxima: standard output: cannot write: Bad file descriptor; the output is incomplete\n"
+
+
 class Streams(ProgramTest):
     """Standard streams that are closed when the program starts."""
 
@@ -193,6 +196,9 @@ class Streams(ProgramTest):
         self.assertEqual(result.returncode, 1)
         self.assertIn("standard output", result.stderr)
         self.assertEqual((self.folder / "b.csv").read_text().count("\n"), 2)
+        for words in ("--help", "--version", "octree --help"):
+            result = self.shell(f"$P {words} >&-")
+            self.assertEqual((result.returncode, result.stderr), (1, CLOSED_STDOUT))
 
     def test_an_ignored_interrupt_stays_ignored(self):
         result = self.shell("trap '' INT; $P octree spaceship:20000 --depth 7 --save a.pxo --quiet & "

@@ -19,8 +19,8 @@ def environment_of_program(environment=os.environ):
 
 def run(*arguments, env=os.environ, **options):
     """Runs to the end with stdout and stderr caught as text."""
-    return subprocess.run([PROXIMA, *map(str, arguments)], text=True, timeout=SECONDS, env=environment_of_program(env),
-                          **{"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, **options})
+    return subprocess.run([PROXIMA, *map(str, arguments)], text=True, env=environment_of_program(env),
+                          **{"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, "timeout": SECONDS, **options})
 
 
 class ProgramTest(unittest.TestCase):

@@ -100,6 +100,8 @@ class Tools(ProgramTest):
         self.refuse("touch", "cube", "--device", "hand:press", "--turn", 3, says=("--turn", "--tool"))
         self.refuse("touch", "cube", *self.session, "--record", self.folder / "a.txt", says=".pxt")
         self.refuse("touch", "cube", "--tool", "missing.obj", "--device", "hand:press", says=("missing.obj",))
+        flawed = self.file("flawed.off", "OFF\n3 1 0\n0 0 0\n1 0 0\n0 nan 0\n3 0 1 2\n")
+        self.refuse("touch", "cube", "--tool", flawed, "--device", "hand:press", says=("flawed.off", "finite"))
 
 
 if __name__ == "__main__":

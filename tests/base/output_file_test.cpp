@@ -5,6 +5,7 @@
 
 #include <array>
 #include <cerrno>
+#include <chrono>
 #include <csignal>
 #include <cstdlib>
 #include <fcntl.h>
@@ -18,6 +19,7 @@
 #include <sys/stat.h>
 #include <sys/syscall.h>
 #include <sys/wait.h>
+#include <thread>
 #include <unistd.h>
 #include <utility>
 
@@ -390,6 +392,34 @@ TEST_F(OutputFileTest, WritesToAPipeDirectly)
     EXPECT_EQ(std::string(buffer.data(), 7), "through");
     ::close(reader);
     EXPECT_TRUE(fs::is_fifo(path("pipe")));
+}
+
+TEST_F(OutputFileTest, WaitsForAPipesReaderForASecond)
+{
+    ASSERT_EQ(::mkfifo(path("pipe").c_str(), 0600), 0);
+    const auto refused = OutputFile::create(path("pipe"));
+    ASSERT_FALSE(refused);
+    EXPECT_EQ(refused.error().code, ErrorCode::file_not_writable);
+    EXPECT_NE(refused.error().message.find("start its reader first"), std::string::npos);
+
+    Progress progress;
+    progress.cancel();
+    const auto stopped = OutputFile::create(path("pipe"), {.progress = &progress});
+    ASSERT_FALSE(stopped);
+    EXPECT_EQ(stopped.error().code, ErrorCode::cancelled);
+
+    std::string read;
+    std::jthread reader([&] {
+        std::this_thread::sleep_for(std::chrono::milliseconds(100));
+        read = content(path("pipe"));
+    });
+    auto file = OutputFile::create(path("pipe"));
+    ASSERT_TRUE(file) << describe(file.error());
+    const std::string sent(1'000'000, 'x'); // more than a pipe holds
+    EXPECT_TRUE(file->write(sent));
+    EXPECT_TRUE(file->commit());
+    reader.join();
+    EXPECT_TRUE(read == sent) << read.size();
 }
 
 TEST(OutputFileDevices, ReportsAFullDeviceAtTheLatestOnCommit)

@@ -64,6 +64,50 @@ TEST_F(SceneFiles, AreReadBelowTheFolderOfTheScene)
     }
 }
 
+TEST_F(SceneFiles, MayHaveEncodedNames)
+{
+    fs::create_directories(path("scenes/all parts"));
+    for (const char* name : {"sp ace.bin", "all parts/\u00e4.bin", "50%.bin", "half%20.bin",
+                             "%zz.bin", "a%2Fb.bin", "100%25.bin"})
+        std::ofstream(path("scenes") / name, std::ios::binary) << buffer_;
+    for (const char* uri : {"sp%20ace.bin", "sp ace.bin", "all%20parts/%c3%A4.bin", "%62uffer.bin",
+                            "50%25.bin", "50%.bin", "half%2520.bin", "half%20.bin", "%zz.bin",
+                            "%25zz.bin", "a%2Fb.bin", "100%2525.bin", "100%25.bin"}) {
+        const auto mesh = read(uri);
+        ASSERT_TRUE(mesh) << uri << ": " << describe(mesh.error());
+        EXPECT_EQ(mesh->triangle_count(), 8U) << uri;
+    }
+}
+
+TEST_F(SceneFiles, AreTheDecodedNameWhereBothExist)
+{
+    std::ofstream(path("scenes/a b.bin"), std::ios::binary) << buffer_;
+    std::ofstream(path("scenes/a%20b.bin"), std::ios::binary) << "short";
+    EXPECT_TRUE(read("a%20b.bin"));
+    EXPECT_FALSE(read("a%2520b.bin"));
+}
+
+TEST_F(SceneFiles, AreRefusedElsewhereByEncodedNamesToo)
+{
+    fs::create_symlink("../outside.bin", path("scenes/sym link.bin"));
+    const std::string why = "not below the scene's folder";
+    expect_refused("%2e%2e/outside.bin", ErrorCode::malformed_file, why);
+    expect_refused("..%2foutside.bin", ErrorCode::malformed_file, "escaped slash");
+    expect_refused("%2e%2e%2foutside.bin", ErrorCode::malformed_file, "escaped slash");
+    expect_refused("parts%2F..%2Fbuffer.bin", ErrorCode::malformed_file, "escaped slash");
+    expect_refused("%2Fetc/passwd", ErrorCode::malformed_file, "escaped slash");
+    expect_refused("%2Fdev%2Fzero", ErrorCode::malformed_file, "escaped slash");
+    expect_refused("%5c%5Chost", ErrorCode::malformed_file, "escaped slash");
+    expect_refused("buffer.bin%00", ErrorCode::malformed_file, "NUL");
+    expect_refused("%00", ErrorCode::malformed_file, "NUL");
+    expect_refused("sym%20link.bin", ErrorCode::malformed_file, why);
+    // Decoded once.
+    expect_refused("%252e%252e%252foutside.bin", ErrorCode::file_not_found, "%2e%2e%2foutside.bin");
+    expect_refused("%zz", ErrorCode::file_not_found, "%zz");
+    expect_refused("%2", ErrorCode::file_not_found, "%2");
+    expect_refused("%", ErrorCode::file_not_found, "%");
+}
+
 TEST_F(SceneFiles, AreFoundFromTheFolderThatTheProgramRunsIn)
 {
     std::ofstream(path("scenes/scene.gltf"), std::ios::binary) << scene_with("buffer.bin");
@@ -92,6 +136,7 @@ TEST_F(SceneFiles, AreRegularFiles)
 {
     ASSERT_EQ(::mkfifo(path("scenes/pipe").c_str(), 0600), 0);
     expect_refused("pipe", ErrorCode::file_not_found, "not a regular file");
+    expect_refused("%70ipe", ErrorCode::file_not_found, "not a regular file");
     expect_refused("parts", ErrorCode::file_not_found, "folder");
     expect_refused("missing.bin", ErrorCode::file_not_found, "missing.bin");
 }

@@ -200,8 +200,10 @@ TEST(Panels, SettingsNameTheConditionThatTheyNeed)
     Viewer viewer;
     ASSERT_TRUE(viewer.choose_panel("octree"));
     const auto offer = [&](Controls& controls) { viewer.offer(controls); };
-    const std::vector<std::string> lines = describe_controls(offer);
-    EXPECT_NE(std::ranges::find(lines, "cut at = 0 (-1 to 1), needs cut plane=on"), lines.end());
+    const std::vector<ControlDescription> controls = describe_controls(offer);
+    EXPECT_NE(std::ranges::find(controls, "cut at = 0 (-1 to 1), needs cut plane=on",
+                                &ControlDescription::text),
+              controls.end());
     const Status refused = apply_settings({"cut at=0.5"}, offer);
     ASSERT_FALSE(refused);
     EXPECT_NE(refused.error().message.find("needs cut plane=on"), std::string::npos);

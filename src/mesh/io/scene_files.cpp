@@ -36,6 +36,40 @@ bool is_below(const fs::path& folder, const fs::path& file)
     return std::ranges::mismatch(folder, file).in1 == folder.end();
 }
 
+int hex_value(char digit) noexcept
+{
+    if (digit >= '0' && digit <= '9') return digit - '0';
+    if (digit >= 'a' && digit <= 'f') return digit - 'a' + 10;
+    return digit >= 'A' && digit <= 'F' ? digit - 'A' + 10 : -1;
+}
+
+/// "a b.bin" of "a%20b.bin", decoded once. A per cent sign without two digits stays.
+std::string percent_decoded(std::string_view uri)
+{
+    std::string name;
+    for (std::size_t i = 0; i < uri.size(); ++i) {
+        const bool has_digits = uri[i] == '%' && uri.size() - i > 2 && hex_value(uri[i + 1]) >= 0 &&
+                                hex_value(uri[i + 2]) >= 0;
+        if (has_digits) {
+            name += static_cast<char>(hex_value(uri[i + 1]) * 16 + hex_value(uri[i + 2]));
+            i += 2;
+        } else {
+            name += uri[i];
+        }
+    }
+    return name;
+}
+
+/// Whether decoding gave bytes that separate folders, or that no name has.
+bool hides_separators(std::string_view uri, std::string_view decoded)
+{
+    const auto count = [](std::string_view text) {
+        return std::ranges::count_if(text,
+                                     [](char c) { return c == '/' || c == '\\' || c == '\0'; });
+    };
+    return count(uri) != count(decoded);
+}
+
 } // namespace
 
 SceneFiles::SceneFiles(const MeshSource& source, std::string scene_name, fs::path folder,
@@ -44,7 +78,24 @@ SceneFiles::SceneFiles(const MeshSource& source, std::string scene_name, fs::pat
       bytes_left_(budget_bytes(budget))
 {}
 
-Result<fs::path> SceneFiles::find(const std::string& name) const
+Result<fs::path> SceneFiles::find(const std::string& uri) const
+{
+    const std::string decoded = percent_decoded(uri);
+    const auto found = hides_separators(uri, decoded)
+                           ? fail(ErrorCode::malformed_file,
+                                  concat("it refers to the file ", uri,
+                                         ", whose name has an escaped slash, backslash or NUL: "
+                                         "rename the file"),
+                                  source_.name)
+                           : find_file(decoded);
+    std::error_code error;
+    if (decoded == uri || (found && fs::is_regular_file(*found, error))) return found;
+    // Not every exporter encodes names.
+    const auto verbatim = find_file(uri);
+    return verbatim && fs::is_regular_file(*verbatim, error) ? verbatim : found;
+}
+
+Result<fs::path> SceneFiles::find_file(const std::string& name) const
 {
     if (folder_.empty()) {
         return fail(ErrorCode::malformed_file,

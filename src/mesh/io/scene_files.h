@@ -2,7 +2,8 @@
 // it that it refers to. A glTF may come from anywhere, and names files as it likes.
 //
 //     scene.gltf, "uri": "parts/buffer.bin"    below the scene's folder: read
-//     "/etc/passwd", "../x", a link to there   refused
+//     "a%20b.bin"                              "a b.bin"; where that is absent, the name as it is
+//     "/etc/passwd", "../x", a link to there   refused, "%2e%2e/x" and "a%2fb" too
 //     a pipe, a device, a folder               refused, not waited for
 #pragma once
 
@@ -33,7 +34,8 @@ public:
     [[nodiscard]] const std::optional<Error>& error() const noexcept { return error_; }
 
 private:
-    [[nodiscard]] Result<std::filesystem::path> find(const std::string& name) const;
+    [[nodiscard]] Result<std::filesystem::path> find(const std::string& uri) const;
+    [[nodiscard]] Result<std::filesystem::path> find_file(const std::string& name) const;
 
     const MeshSource& source_;
     std::string scene_name_;
