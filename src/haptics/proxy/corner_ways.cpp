@@ -26,7 +26,7 @@ double distance_to(const Triangle& triangle, const Vec3& p) noexcept
 }
 
 /// A triangle and its distance from p.
-struct NearTriangle {
+struct CornerTriangle {
     Triangle corners;
     double distance = 0;
     TriangleId id{};
@@ -47,17 +47,17 @@ public:
     void sort() noexcept
     {
         std::sort(triangles_.begin(), triangles_.begin() + static_cast<std::ptrdiff_t>(count_),
-                  [](const NearTriangle& a, const NearTriangle& b) {
+                  [](const CornerTriangle& a, const CornerTriangle& b) {
                       return a.distance != b.distance ? a.distance < b.distance : a.id < b.id;
                   });
     }
-    [[nodiscard]] std::span<const NearTriangle> all() const noexcept
+    [[nodiscard]] std::span<const CornerTriangle> all() const noexcept
     {
         return std::span(triangles_).first(count_);
     }
 
 private:
-    std::array<NearTriangle, most_triangles> triangles_;
+    std::array<CornerTriangle, most_triangles> triangles_;
     std::size_t count_ = 0;
 };
 
@@ -88,7 +88,7 @@ private:
 /// The best way so far.
 class BestWay {
 public:
-    BestWay(std::span<const NearTriangle> near, const Vec3& p, const Vec3& towards, double least,
+    BestWay(std::span<const CornerTriangle> near, const Vec3& p, const Vec3& towards, double least,
             double gap) noexcept
         : near_(near), p_(p), towards_(towards), cosine_(least), gap_(gap)
     {}
@@ -109,16 +109,16 @@ public:
 private:
     [[nodiscard]] bool is_free(const Vec3& motion) const noexcept
     {
-        const auto is_met = [&](const NearTriangle& near) {
+        const auto is_met = [&](const CornerTriangle& near) {
             return touch_time(near.corners, least_room * gap_, p_, motion).has_value();
         };
-        const auto is_close = [&](const NearTriangle& near) {
+        const auto is_close = [&](const CornerTriangle& near) {
             return !(distance_to(near.corners, p_ + motion) > gap_);
         };
         return std::ranges::none_of(near_, is_met) && std::ranges::none_of(near_, is_close);
     }
 
-    std::span<const NearTriangle> near_;
+    std::span<const CornerTriangle> near_;
     Vec3 p_;
     Vec3 towards_;
     double cosine_;
@@ -136,7 +136,7 @@ std::optional<Vec3> way_from_corner(std::span<const ContactTriangle> near, const
         if (!triangles.add(one, p, gap)) return std::nullopt;
     triangles.sort();
     CornerFaces faces;
-    for (const NearTriangle& one : triangles.all())
+    for (const CornerTriangle& one : triangles.all())
         if (one.distance <= corner_size * gap && !faces.add(one.corners, p)) return std::nullopt;
     BestWay best(triangles.all(), p, towards, least, gap);
     const std::span<const Vec3> normals = faces.normals();
