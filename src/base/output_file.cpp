@@ -35,7 +35,7 @@ constexpr int max_links = 40;
 
 // As in `cat pipe & proxima ... --out pipe`: the reader may be a little later than the writer.
 constexpr std::chrono::milliseconds wait_for_reader{10};
-constexpr int max_waits_for_reader = 100;
+constexpr int max_waits_for_reader = 300;
 
 std::string reason(int error_number)
 {

@@ -41,7 +41,7 @@ struct OutputOptions {
 class OutputFile {
 public:
     /// Error file_not_writable with the reason: folder missing or read-only, destination is a
-    /// folder or read-only, disk full, a pipe that nobody has begun to read within a second;
+    /// folder or read-only, disk full, a pipe that nobody has begun to read within three seconds;
     /// cancelled where options.progress asks to stop meanwhile.
     [[nodiscard]] static Result<OutputFile> create(const std::filesystem::path& path,
                                                    const OutputOptions& options = {});

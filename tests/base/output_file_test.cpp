@@ -394,7 +394,7 @@ TEST_F(OutputFileTest, WritesToAPipeDirectly)
     EXPECT_TRUE(fs::is_fifo(path("pipe")));
 }
 
-TEST_F(OutputFileTest, WaitsForAPipesReaderForASecond)
+TEST_F(OutputFileTest, WaitsForAPipesReaderForSomeSeconds)
 {
     ASSERT_EQ(::mkfifo(path("pipe").c_str(), 0600), 0);
     const auto refused = OutputFile::create(path("pipe"));
@@ -410,7 +410,7 @@ TEST_F(OutputFileTest, WaitsForAPipesReaderForASecond)
 
     std::string read;
     std::jthread reader([&] {
-        std::this_thread::sleep_for(std::chrono::milliseconds(100));
+        std::this_thread::sleep_for(std::chrono::milliseconds(50));
         read = content(path("pipe"));
     });
     auto file = OutputFile::create(path("pipe"));
