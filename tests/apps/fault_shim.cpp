@@ -86,6 +86,9 @@ void write_count()
 
 int (*true_main)(int, char**, char**) = nullptr;
 
+#if defined(__clang__)
+__attribute__((no_sanitize("function"))) // a program's main may have two parameters
+#endif
 int counted_main(int count, char** arguments, char** environment)
 {
     read_plan();

@@ -14,7 +14,7 @@ import unittest
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
-from proxima_program import PROXIMA, SECONDS, ProgramTest
+from proxima_program import PROXIMA, SANITIZED, SECONDS, ProgramTest
 
 SHIM = os.environ["FAULT_SHIM"]
 EACH = int(os.environ.get("FAULTS_EACH", "40"))  # calls of a job that are tried; 0: all
@@ -109,6 +109,7 @@ class FaultTest(ProgramTest):
         return False
 
 
+@unittest.skipIf(SANITIZED, "sanitizers bring allocators of their own")
 class Allocations(FaultTest):
     def test_each_fails_once(self):
         self.try_calls("allocate")

@@ -8,7 +8,8 @@ import unittest
 from pathlib import Path
 
 PROXIMA = os.environ.get("PROXIMA", "proxima")
-SECONDS = 300
+SANITIZED = bool(os.environ.get("PROXIMA_SANITIZE"))  # watched, it is slower, and needs more memory
+SECONDS = 1800 if SANITIZED else 300
 
 
 def environment_of_program(environment=os.environ):

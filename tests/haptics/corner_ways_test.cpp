@@ -147,6 +147,65 @@ TEST(CornerWays, LeadOutOfNoRoomsCorner)
                                      0.01, gap));
 }
 
+// The corner is not at the origin here, so that a face's side is a matter of where the face lies.
+TEST(CornerWays, AreTheSameAnywhere)
+{
+    const double gap = 0x1p-20;
+    const Vec3 offset(3, -2, 5);
+    for (const Corner& corner : corners_of_a_scan()) {
+        std::vector<ContactTriangle> moved = all_of(corner.mesh);
+        for (ContactTriangle& one : moved)
+            for (Vec3& position : one.corners) position += offset;
+        const Vec3 p = -1.5 * gap * corner.towards;
+        const auto way = way_from_corner(all_of(corner.mesh), p, corner.towards, 0.01, gap);
+        const auto moved_way = way_from_corner(moved, p + offset, corner.towards, 0.01, gap);
+        ASSERT_TRUE(way && moved_way);
+        EXPECT_LT((*way - *moved_way).norm(), 1e-6 * way->norm());
+    }
+}
+
+/// A ramp that falls towards +x, by one in ten, and three walls beside and behind the origin that lean and cross its slope.
+std::vector<ContactTriangle> ramp_with_walls(double gap)
+{
+    const double near = 6 * gap;
+    const auto wall = [&](const Vec3& at, const Vec3& along, const Vec3& up) {
+        return Triangle{at - along, at + along, at + up};
+    };
+    return {{Triangle{Vec3(-1e4 * gap, -2e4 * gap, 1e3 * gap), Vec3(2e4 * gap, 0, -2e3 * gap),
+                      Vec3(-1e4 * gap, 2e4 * gap, 1e3 * gap)},
+             TriangleId{0}},
+            {wall({-near, near, 0}, gap * Vec3(3, 2, 0), gap * Vec3(-2, 3, 4)), TriangleId{1}},
+            {wall({-near, -near, 0}, gap * Vec3(3, -2, 0), gap * Vec3(-2, -3, 4)), TriangleId{2}},
+            {wall({-1.5 * near, 0, 0}, gap * Vec3(1, 4, 0), gap * Vec3(-3, 0, 4)), TriangleId{3}}};
+}
+
+TEST(CornerWays, MayLeadDownAFace)
+{
+    const double gap = 1e-6;
+    const Vec3 normal = Vec3(0.1, 0, 1).normalized();
+    const Vec3 p = 1.5 * gap * normal;
+    const auto way = way_from_corner(ramp_with_walls(gap), p, -Vec3::UnitZ(), 0.01, gap);
+    ASSERT_TRUE(way);
+    EXPECT_GT(way->normalized().dot(Vec3(1, 0, -0.1).normalized()), 0.999) << way->transpose();
+}
+
+TEST(CornerWays, EndMoreThanAGapFromAll)
+{
+    const double gap = 1e-6;
+    const Vec3 p = 1.5 * gap * Vec3(0.1, 0, 1).normalized();
+    std::vector<ContactTriangle> scene = ramp_with_walls(gap);
+    const auto way = way_from_corner(scene, p, -Vec3::UnitZ(), 0.01, gap);
+    ASSERT_TRUE(way);
+    const auto beside_its_end = [&](double gaps) {
+        const Vec3 at = p + *way + Vec3(0, gaps * gap, 0);
+        return ContactTriangle{{at, at + Vec3(0, gap, 0), at + Vec3(0, gap, gap)}, TriangleId{4}};
+    };
+    scene.push_back(beside_its_end(1.5));
+    EXPECT_EQ(way_from_corner(scene, p, -Vec3::UnitZ(), 0.01, gap), way);
+    scene.back() = beside_its_end(0.5);
+    EXPECT_NE(way_from_corner(scene, p, -Vec3::UnitZ(), 0.01, gap), way);
+}
+
 TEST(CornerWays, AreSteeperThanAsked)
 {
     const double gap = 1e-9;
