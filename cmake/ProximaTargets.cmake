@@ -28,14 +28,6 @@ if(CMAKE_SYSTEM_PROCESSOR STREQUAL "aarch64")
   target_compile_options(proxima_developer_options INTERFACE -march=armv8-a+crypto)
   # Eigen fuses multiplications and additions where it sees this, and answers of contacts then have other bits than on x86.
   target_compile_options(proxima_developer_options INTERFACE -U__ARM_FEATURE_FMA)
-elseif(CMAKE_SYSTEM_PROCESSOR STREQUAL "x86_64")
-  # So it does on x86 where -march of whoever builds, or of the sanitizers below, has such instructions, and always beside
-  # AVX-512. Highway then dispatches to its kernels at run time, as it does without -march.
-  include(CheckCXXSourceCompiles)
-  check_cxx_source_compiles("#ifndef __FMA__\n#error\n#endif\nint main() {}" PROXIMA_COMPILED_FOR_FMA)
-  if(PROXIMA_COMPILED_FOR_FMA OR PROXIMA_SANITIZE)
-    target_compile_options(proxima_developer_options INTERFACE -U__FMA__ -U__AVX512F__)
-  endif()
 endif()
 if(PROXIMA_SANITIZE)
   # Without the check that pointers do not wrap: it makes exits of loops, on which clang 14 spends half of its time in kernels. What
@@ -49,7 +41,8 @@ if(PROXIMA_SANITIZE)
   endif()
   if(CMAKE_SYSTEM_PROCESSOR STREQUAL "x86_64")
     # Kernels for AVX2 and AVX-512 only: watched, the emulated lanes of older processors take hours to compile.
-    target_compile_options(proxima_developer_options INTERFACE -march=x86-64-v3)
+    # Eigen is not to fuse multiplications and additions: contacts then have other bits than in other builds.
+    target_compile_options(proxima_developer_options INTERFACE -march=x86-64-v3 -U__FMA__)
     target_compile_definitions(proxima_developer_options INTERFACE HWY_BASELINE_TARGETS=HWY_AVX2)
   endif()
 endif()

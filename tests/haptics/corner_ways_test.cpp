@@ -155,7 +155,7 @@ TEST(CornerWays, AreTheSameAnywhere)
     for (const Corner& corner : corners_of_a_scan()) {
         std::vector<ContactTriangle> moved = all_of(corner.mesh);
         for (ContactTriangle& one : moved)
-            for (Vec3& position : one.corners) position += offset;
+            for (Vec3& position : one.corners.vertices) position += offset;
         const Vec3 p = -1.5 * gap * corner.towards;
         const auto way = way_from_corner(all_of(corner.mesh), p, corner.towards, 0.01, gap);
         const auto moved_way = way_from_corner(moved, p + offset, corner.towards, 0.01, gap);
@@ -174,8 +174,8 @@ std::vector<ContactTriangle> ramp_with_walls(double gap)
     return {{Triangle{Vec3(-1e4 * gap, -2e4 * gap, 1e3 * gap), Vec3(2e4 * gap, 0, -2e3 * gap),
                       Vec3(-1e4 * gap, 2e4 * gap, 1e3 * gap)},
              TriangleId{0}},
-            {wall({-near, near, 0}, gap * Vec3(3, 2, 0), gap * Vec3(-2, 3, 4)), TriangleId{1}},
-            {wall({-near, -near, 0}, gap * Vec3(3, -2, 0), gap * Vec3(-2, -3, 4)), TriangleId{2}},
+            {wall({-near, near, 0}, gap * Vec3(2, 3, 0), gap * Vec3(-3, 2, 4)), TriangleId{1}},
+            {wall({-near, -near, 0}, gap * Vec3(2, -3, 0), gap * Vec3(-3, -2, 4)), TriangleId{2}},
             {wall({-1.5 * near, 0, 0}, gap * Vec3(1, 4, 0), gap * Vec3(-3, 0, 4)), TriangleId{3}}};
 }
 

@@ -463,7 +463,7 @@ TEST(EngineLink, RandomPacketsDoNoHarm)
          ++tick) {
         ScenePacket packet = scene_packet(tick + 1, time_of(tick));
         packet.session = engine_session + 1;
-        add_pose(packet, 0, Vec3::Zero());
+        add_pose(packet, 0, {0, 0, -1});
         link->take(bytes_of(packet), {}, time_of(tick));
         feel(*renderer, *link, cubes.scene, tick);
         if (HasFatalFailure()) return;
