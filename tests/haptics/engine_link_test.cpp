@@ -421,8 +421,8 @@ void feel(HapticRenderer& renderer, EngineLink& link, TouchScene& scene, std::ui
     ASSERT_LE(rendered.force.norm(), omni.max_force);
 }
 
-// Any bytes, behind right headers or not, as datagrams. They may have moved the cubes anywhere; an engine that comes after them
-// puts one back, and it is felt.
+// Any bytes, behind right headers or not, as datagrams. They may have moved the cubes anywhere, even round the
+// hand; an engine that comes after them puts them back, and one is felt.
 TEST(EngineLink, RandomPacketsDoNoHarm)
 {
     const std::uint64_t seed = std::random_device()();
@@ -464,6 +464,7 @@ TEST(EngineLink, RandomPacketsDoNoHarm)
         ScenePacket packet = scene_packet(tick + 1, time_of(tick));
         packet.session = engine_session + 1;
         add_pose(packet, 0, {0, 0, -1});
+        add_pose(packet, 1, {0, 0, 5});
         link->take(bytes_of(packet), {}, time_of(tick));
         feel(*renderer, *link, cubes.scene, tick);
         if (HasFatalFailure()) return;
