@@ -88,6 +88,15 @@ std::size_t proxima::testing::allocation_count() noexcept
     return allocations;
 }
 
+bool proxima::testing::allocations_are_counted() noexcept
+{
+#ifdef PROXIMA_OPERATORS_ARE_TAKEN
+    return false;
+#else
+    return true;
+#endif
+}
+
 void proxima::testing::fail_allocation(std::size_t number) noexcept
 {
     until_failure = number;
