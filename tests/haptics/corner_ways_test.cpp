@@ -187,6 +187,11 @@ TEST(CornerWays, MayLeadDownAFace)
     const auto way = way_from_corner(ramp_with_walls(gap), p, -Vec3::UnitZ(), 0.01, gap);
     ASSERT_TRUE(way);
     EXPECT_GT(way->normalized().dot(Vec3(1, 0, -0.1).normalized()), 0.999) << way->transpose();
+    // However many triangles the ramp has.
+    std::vector<ContactTriangle> divided = ramp_with_walls(gap);
+    for (std::uint32_t i = 0; i < 20; ++i)
+        divided.push_back({divided.front().corners, TriangleId{4 + i}});
+    EXPECT_EQ(way_from_corner(divided, p, -Vec3::UnitZ(), 0.01, gap), way);
 }
 
 TEST(CornerWays, EndMoreThanAGapFromAll)
