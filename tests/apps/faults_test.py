@@ -22,6 +22,8 @@ SEED = int(os.environ.get("FAULTS_SEED", random.randrange(1 << 30)))
 
 TETRAHEDRON = "OFF\n4 4 6\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n3 0 2 1\n3 0 1 3\n3 0 3 2\n3 1 2 3\n"
 OLD = b"the old content"
+# What glibc fills memory with that is not written yet or free again, all of it: whoever reads that gets nonsense each time.
+GARBAGE = {"MALLOC_PERTURB_": "165", "GLIBC_TUNABLES": "glibc.malloc.tcache_count=0"}
 # Each with its outputs; {f} is the folder.
 JOBS = {
     "octree": ("octree {f}/a.off --depth 3 --save {f}/a.pxo --out {f}/a.vtu --json {f}/a.json", ["a.pxo", "a.vtu"]),
@@ -52,7 +54,7 @@ class FaultTest(ProgramTest):
     def run_job(self, name, folder, call, at=0, action="fail"):
         command, _ = JOBS[name]
         faults = {"LD_PRELOAD": SHIM, "FAULT_CALL": call, "FAULT_AT": str(at), "FAULT_ACTION": action,
-                  "FAULT_COUNT": str(folder / "count")}
+                  "FAULT_COUNT": str(folder / "count"), **GARBAGE}
         # One thread: so the same call comes at the same place.
         return subprocess.run([PROXIMA, *command.format(f=folder).split(), "--threads", "1", "--quiet"], text=True,
                               capture_output=True, timeout=SECONDS, env={**os.environ, **faults}, check=False)
