@@ -1,4 +1,5 @@
 """A test of the window of `proxima view`: a screen without a monitor, and a person's acts that end with what they change."""
+import re
 import sys
 import tempfile
 import unittest
@@ -7,7 +8,7 @@ from pathlib import Path
 sys.path.insert(0, str(Path(__file__).parent.parent / "apps"))
 
 import xvfb_screen  # noqa: E402
-from proxima_program import ProgramTest  # noqa: E402
+from proxima_program import SANITIZED, ProgramTest  # noqa: E402
 from xvfb_screen import Screen, Window  # noqa: E402
 
 
@@ -33,6 +34,8 @@ class WindowTest(ProgramTest):
 
     def close(self, window):
         status, said = window.quit()
+        if SANITIZED:  # it names reports that are left out, too, and Mesa's compiled shaders are no file
+            said = re.sub("LLVMSymbolizer: error reading file: .*\n", "", said)
         self.assertEqual((status, said), (0, ""))
 
     def share(self, window, is_wanted):
