@@ -18,7 +18,7 @@ Status open_index(TouchModel& model, const std::string& path)
 {
     auto index = load_index(path);
     if (!index) return tl::unexpected(index.error());
-    model.index = std::move(*index);
+    model.index = *index;
     auto mesh = mesh_of(model.index);
     if (!mesh) return tl::unexpected(mesh.error());
     model.mesh = std::move(*mesh);
@@ -30,7 +30,7 @@ Status build_index(TouchModel& model)
     auto index = build_mesh_index(model.mesh);
     if (index) index = with_lists(*index);
     if (!index) return tl::unexpected(index.error());
-    model.index = std::move(*index);
+    model.index = *index;
     return {};
 }
 
@@ -46,7 +46,7 @@ Status make_index(TouchModel& model, const std::string& kept)
     if (std::filesystem::exists(path)) {
         auto index = load_index(path);
         if (index && check_same_mesh(*index, model.mesh)) {
-            model.index = std::move(*index);
+            model.index = *index;
             return {};
         }
     }

@@ -247,7 +247,7 @@ Image Canvas::image() const
 
 Result<Canvas> make_canvas(int width, int height, const Progress* progress, MemoryBudget budget)
 {
-    constexpr std::uint64_t samples = samples_per_axis * samples_per_axis;
+    constexpr std::uint64_t samples = std::uint64_t{samples_per_axis} * samples_per_axis;
     constexpr std::uint64_t sample_bytes = sizeof(Color) + 3 * sizeof(float); // and its creases
     const std::uint64_t pixels =
         static_cast<std::uint64_t>(width) * static_cast<std::uint64_t>(height);

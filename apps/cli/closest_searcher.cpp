@@ -5,8 +5,6 @@
 #include "cli/stopwatch.h"
 #include "proxima/mesh_index.h"
 
-#include <utility>
-
 namespace proxima {
 
 namespace {
@@ -16,7 +14,7 @@ Status load(const std::string& model, Session& session, ClosestSearcher& searche
     const Stopwatch watch;
     auto index = load_index_file(model, session);
     if (!index) return tl::unexpected(index.error());
-    searcher.index = std::move(*index);
+    searcher.index = *index;
     searcher.load_seconds = watch.seconds();
     return {};
 }
@@ -34,7 +32,7 @@ Status build(const std::string& model, const ClosestSearcherOptions& options, Se
                            {.list_bytes = options.list_bytes, .execution = session.execution()});
     }
     if (!index) return at_model(index.error(), model);
-    searcher.index = std::move(*index);
+    searcher.index = *index;
     searcher.build_seconds = watch.seconds();
     return {};
 }

@@ -186,6 +186,7 @@ int parse_and_run(int argc, char** argv, const char* version, std::span<const Ad
         const auto found = std::ranges::find_if(commands, asked_for);
         if (found == commands.end() && argc > 1 && argv[1][0] != '-') {
             std::vector<std::string> names;
+            names.reserve(commands.size());
             for (const Command& command : commands) names.push_back(command.parser->get_name());
             report(fmt::format("{} is no command: they are {}{}; see proxima --help", argv[1],
                                fmt::join(names, ", "), did_you_mean(argv[1], names)));

@@ -147,7 +147,7 @@ Result<std::unique_ptr<Culled>> prepare(const CullOptions& options, Session& ses
     }
     auto index = index_of_model(options.model, culled->mesh, session);
     if (!index) return tl::unexpected(index.error());
-    culled->index = std::move(*index);
+    culled->index = *index;
     culled->build_seconds = watch.seconds();
     return culled;
 }

@@ -70,7 +70,7 @@ Status write_deviation_ply(const TriangleMesh& mesh, const VertexDeviations& dev
     constexpr std::size_t block_bytes = 1 << 16;
     const auto hand_on = [&](bool all) -> Status {
         if (block.size() < block_bytes && !all) return {};
-        const Status status = file->write(block);
+        Status status = file->write(block);
         block.clear();
         return status;
     };

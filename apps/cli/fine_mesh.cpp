@@ -61,9 +61,10 @@ Result<TriangleMesh> finely_cut(const TriangleMesh& mesh, std::uint64_t most)
             for (std::uint32_t column = 0; column <= row; ++column) {
                 triangles.push_back(
                     {at(row, column), at(row + 1, column), at(row + 1, column + 1)});
-                if (column < row)
+                if (column < row) {
                     triangles.push_back(
                         {at(row, column), at(row + 1, column + 1), at(row, column + 1)});
+                }
             }
         }
     }

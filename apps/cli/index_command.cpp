@@ -37,12 +37,12 @@ Result<MeshIndex> with_additions(MeshIndex index, const IndexOptions& options, S
         auto listed =
             with_lists(index, {.list_bytes = options.lists_mb * 1'000'000, .execution = execution});
         if (!listed) return listed;
-        index = std::move(*listed);
+        index = *listed;
     }
     if (options.slabs) {
         auto with = with_slabs(index, {.execution = execution});
         if (!with) return with;
-        index = std::move(*with);
+        index = *with;
     }
     if (options.signs) return with_signs(index, {.execution = execution});
     return index;
@@ -55,7 +55,7 @@ Result<MeshIndex> make_index(const IndexOptions& options, Session& session, doub
         auto index = load_index_file(options.model, session);
         if (!index) return index;
         const ProgressBar shown(session.progress(), session.bar());
-        auto with = with_additions(std::move(*index), options, session);
+        auto with = with_additions(*index, options, session);
         seconds = watch.seconds();
         return with;
     }
@@ -65,7 +65,7 @@ Result<MeshIndex> make_index(const IndexOptions& options, Session& session, doub
     const Stopwatch watch;
     auto index = build_mesh_index(*mesh, {.execution = session.execution()});
     if (!index) return index;
-    auto with = with_additions(std::move(*index), options, session);
+    auto with = with_additions(*index, options, session);
     seconds = watch.seconds();
     return with;
 }

@@ -117,14 +117,14 @@ Status prepare(Body& body, const std::string& model, const IntersectOptions& opt
     body.octree = std::move(*octree);
     auto index = index_of_model(model, body.mesh, session);
     if (!index) return tl::unexpected(index.error());
-    body.index = std::move(*index);
+    body.index = *index;
     auto enclosure = build_enclosure(body.index, {.execution = session.execution()});
     if (!enclosure) return at_model(enclosure.error(), model);
     body.enclosure = std::move(*enclosure);
     if (!options.distance || !body.index.parts().slabs().empty()) return {};
     auto with = with_slabs(body.index, {.execution = session.execution()});
     if (!with) return at_model(with.error(), model);
-    body.index = std::move(*with);
+    body.index = *with;
     return {};
 }
 

@@ -167,9 +167,10 @@ Status run_minkowski(const Options& options, Session& session)
         counted = std::move(*counts);
     }
     if (!options.out.empty()) {
-        const Status status =
-            export_sum(sum, options.out, {.execution = {.progress = &session.progress()}});
-        if (!status) return status;
+        if (Status status =
+                export_sum(sum, options.out, {.execution = {.progress = &session.progress()}});
+            !status)
+            return status;
     }
 
     TextTable table({"", "Vertices", "Edges", "Facets"});

@@ -67,7 +67,7 @@ Result<std::size_t> NpyRows::fill()
 {
     const std::size_t held = buffer_.size();
     buffer_.resize(held + table_piece);
-    const auto more = input_->read(buffer_.data() + held, table_piece);
+    auto more = input_->read(buffer_.data() + held, table_piece);
     buffer_.resize(held + more.value_or(0));
     return more;
 }

@@ -109,8 +109,8 @@ Legend legend_of(std::span<const Leaf> leaves, const DepthColors& colors,
 {
     Legend legend;
     int last = -1;
-    for (auto leaf = leaves.rbegin(); leaf != leaves.rend(); ++leaf) {
-        const int level = depth(leaf->key);
+    for (std::size_t i = leaves.size(); i-- > 0;) {
+        const int level = depth(leaves[i].key);
         if (level == last) continue;
         legend.entries.push_back({hex_of(colors(level)), concat("leaves of depth ", level)});
         last = level;

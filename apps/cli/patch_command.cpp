@@ -73,7 +73,7 @@ Status load_surface(const std::string& name, Session& session, PatchModel& model
     auto index = load_index_file(name, session);
     if (!index) return tl::unexpected(index.error());
     Status status = take(surface_of(*index, name, session));
-    model.index = std::move(*index);
+    model.index = *index;
     model.seconds = watch.seconds();
     return status;
 }
@@ -88,7 +88,7 @@ Result<std::unique_ptr<PatchModel>> load_model(const std::string& name, Session&
     const ProgressBar shown(session.progress(), session.bar());
     auto index = build_mesh_index(model->surface.mesh, {.execution = session.execution()});
     if (!index) return at_model(index.error(), name);
-    model->index = std::move(*index);
+    model->index = *index;
     model->seconds += watch.seconds();
     return model;
 }

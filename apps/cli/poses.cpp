@@ -121,9 +121,10 @@ Result<Poses> read_poses(const std::string& path_or_pose, Session& session)
     const bool is_pose = text.find(',') != std::string_view::npos &&
                          parse_finite_numbers(text.substr(0, text.find('@'))).has_value();
     if (is_pose) return parse_pose(text);
-    if (has_number_not_finite(text))
+    if (has_number_not_finite(text)) {
         return refuse(concat(
             "'", text, "' has a number that is NaN, infinite or beyond doubles: give finite ones"));
+    }
     const auto table = session.load_table(path_or_pose, {pose_layouts});
     if (!table && table.error().code == ErrorCode::file_not_found) {
         return fail(table.error().code,

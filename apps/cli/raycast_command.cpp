@@ -103,7 +103,7 @@ Result<std::unique_ptr<Casting>> prepare(const RaycastOptions& options, Session&
     if (!options.cells && options.method == QueryMethod::index) {
         auto index = index_of_model(options.model, casting->mesh, session);
         if (!index) return tl::unexpected(index.error());
-        casting->index = std::move(*index);
+        casting->index = *index;
     }
     casting->build_seconds = watch.seconds();
     return casting;

@@ -3,6 +3,7 @@
 #include "cli/commands.h"
 #include "cli/counted.h"
 #include "cli/model_options.h"
+#include "cli/npy_header.h"
 #include "cli/row_text.h"
 #include "cli/row_writer.h"
 #include "cli/stopwatch.h"
@@ -104,9 +105,10 @@ Json json_of(const std::string& model, const TriangleMesh& before, const MeshRep
              const MeshReport& report, double seconds)
 {
     Json steps = Json::array();
-    for (const RepairStep& step : repair.steps)
+    for (const RepairStep& step : repair.steps) {
         steps.push_back(
             {{"step", name_of(step.kind)}, {"enabled", step.enabled}, {"count", step.count}});
+    }
     return {{"model", model},
             {"vertices_before", before.vertex_count()},
             {"triangles_before", before.triangle_count()},
@@ -163,11 +165,10 @@ Status write_map(const std::string& path, std::string_view columns, std::size_t 
 Status write_files(const RepairCommandOptions& options, const MeshRepair& repair, Session& session)
 {
     if (!options.out.empty()) {
-        const Status written =
-            write_mesh(repair.mesh, options.out, {.execution = session.execution()});
+        Status written = write_mesh(repair.mesh, options.out, {.execution = session.execution()});
         if (!written) return written;
     }
-    const Status written =
+    Status written =
         write_map(options.map, "triangle,original,turned", repair.original_triangles.size(),
                   session, [&](std::size_t i) {
                       return std::array{static_cast<double>(i),
@@ -193,7 +194,7 @@ tl::unexpected<Error> of_option(Error error, const std::string& model)
 
 Status check_files(const RepairCommandOptions& options, Session& session)
 {
-    const Status outputs = session.check_outputs({options.out, options.map, options.vertex_map});
+    Status outputs = session.check_outputs({options.out, options.map, options.vertex_map});
     if (!outputs) return outputs;
     if (!options.out.empty()) {
         if (Status status = check_mesh_file_format(options.out); !status) return status;

@@ -345,9 +345,10 @@ void check_questions(const SceneCommandOptions& options)
 {
     const int questions = (options.rays_file.empty() ? 0 : 1) + (options.rays.empty() ? 0 : 1) +
                           (options.has_points() ? 1 : 0) + (options.pairs ? 1 : 0);
-    if (questions != 1)
+    if (questions != 1) {
         throw CLI::ValidationError("scene",
                                    "give one of --rays, --ray, --points, --point, --pairs");
+    }
     if (options.within && !options.pairs)
         throw CLI::ValidationError("--within", "it goes with --pairs");
 }

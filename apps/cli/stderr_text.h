@@ -14,7 +14,8 @@ void write_stderr(std::string_view text) noexcept;
 /// A formatted text of up to 511 bytes; what is longer is cut off. \pre formatting the arguments
 /// throws nothing: numbers and strings
 template <class... Arguments>
-void print_stderr(fmt::format_string<Arguments...> form, Arguments&&... arguments) noexcept
+void print_stderr( // NOLINT(bugprone-exception-escape): fmt could, for other arguments
+    fmt::format_string<Arguments...> form, Arguments&&... arguments) noexcept
 {
     std::array<char, 512> text; // NOLINT(*-member-init): written before it is read
     const auto written =

@@ -33,7 +33,7 @@ Result<std::unique_ptr<TouchModel>> make_model(std::string_view name,
     model->surface.topology = std::move(*topology);
     auto index = build_mesh_index(model->surface.mesh, {.execution = options.execution});
     if (!index) return tl::unexpected(index.error());
-    model->index = std::move(*index);
+    model->index = *index;
     auto thesis = build_thesis_proximity_octree(model->surface.mesh, model->surface.topology,
                                                 {.execution = options.execution});
     if (!thesis) return tl::unexpected(thesis.error());

@@ -27,7 +27,7 @@ namespace {
 constexpr const char* sphere_name = "sphere:100x100"; ///< convex, as closest features want it
 constexpr std::size_t query_count = 20'000;
 constexpr std::size_t frame_count = 100; ///< of culling and of contact
-constexpr int rounds = 5;
+constexpr std::size_t rounds = 5;
 
 /// What one structure took.
 struct StructureTime {
@@ -83,9 +83,9 @@ Result<Structures> build(const ThesisComparisonOptions& options)
         {.execution = {.threads = threads, .progress = options.execution.progress}});
     if (!thesis_lists) return tl::unexpected(thesis_lists.error());
     const double thesis_list_seconds = thesis_watch.seconds();
-    return Structures{std::move(*mesh),  std::move(*topology),     std::move(*octree),
-                      std::move(*index), std::move(*thesis_lists), octree_seconds,
-                      index_seconds,     thesis_list_seconds};
+    return Structures{std::move(*mesh), std::move(*topology),     std::move(*octree),
+                      *index,           std::move(*thesis_lists), octree_seconds,
+                      index_seconds,    thesis_list_seconds};
 }
 
 class QueryTable {
@@ -160,9 +160,10 @@ void add_rays(const Structures& of, QueryTable& table)
         rays.push_back({.origin = origin, .direction = sets[0].points[2 * i + 1] - origin});
     }
     bool agree = true;
-    for (const Ray& ray : rays)
+    for (const Ray& ray : rays) {
         agree =
             agree && closest_hit_by_cells(of.octree, of.mesh, ray) == closest_hit(of.index, ray);
+    }
     std::size_t hits = 0;
     const double thesis = median_nanoseconds(rays.size(), [&](std::size_t i) {
         hits += closest_hit_by_cells(of.octree, of.mesh, rays[i]) ? 1U : 0U;

@@ -165,25 +165,29 @@ std::string gaps_text(const SelfTestPage& page)
                "Let it\nhang or lie so that it stays, switch gravity compensation on, and "
                "repeat.\n";
     }
-    if (report.held)
+    if (report.held) {
         text += "Something held the tip while the motors pushed: friction, damping and mass "
                 "include it. Let go "
                 "and repeat.\n";
-    if (any_axis(SelfTestOutcome::unmoved))
+    }
+    if (any_axis(SelfTestOutcome::unmoved)) {
         text += fmt::format(
             "Up to {:.2f} N did not move the tip everywhere: it was held, it stood at a stop, its "
             "forces are off, or its\nprogram makes forces of planes alone.\n",
             report.largest_force);
+    }
     if (any_axis(SelfTestOutcome::no_rest))
         text += "The tip did not come to rest between pushes: some numbers are missing.\n";
-    if (any_axis(SelfTestOutcome::too_far))
+    if (any_axis(SelfTestOutcome::too_far)) {
         text += fmt::format("A push was stopped because the tip went farther than {:g} mm or "
                             "faster than {:g} m/s.\n",
                             1e3 * page.options.most_travel, page.options.most_speed);
-    if (page.report.timing.repeated && *page.report.timing.repeated > 0.05)
+    }
+    if (page.report.timing.repeated && *page.report.timing.repeated > 0.05) {
         text += fmt::format(
             "The device measures less often than it is asked: about {:.0f} times a second.\n",
             (1 - *page.report.timing.repeated) * page.report.timing.sample_rate);
+    }
     return text;
 }
 
@@ -202,14 +206,16 @@ std::string settings_text(const SelfTestPage& page)
                         set.limit == StiffnessLimit::device ? "  <- this" : "");
     limit(set.by_delay, "(b + B) / (T / 2 + delay): stiffer walls oscillate by themselves",
           set.limit == StiffnessLimit::delay);
-    if (set.by_encoder)
+    if (set.by_encoder) {
         limit(*set.by_encoder, "2 friction / encoder step: stiffer walls buzz by a step",
               set.limit == StiffnessLimit::encoder);
-    if (set.passive)
+    }
+    if (set.passive) {
         text += fmt::format("{:g} N/m, 2 b / T, is the limit for a wall without damping that never "
                             "gives energy to any "
                             "hand.\n",
                             std::floor(*set.passive));
+    }
     return text;
 }
 

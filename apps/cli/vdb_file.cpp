@@ -28,7 +28,7 @@ Result<SharedLibrary> open_vdb_library()
 std::uint64_t vdb_bytes(const PointGrid& grid) noexcept
 {
     const auto leaves = [](std::uint64_t points) { return (points + 7) / 8; };
-    constexpr std::uint64_t leaf_bytes = 8 * 8 * 8 * sizeof(float) + 256;
+    constexpr std::uint64_t leaf_bytes = sizeof(float) * 8 * 8 * 8 + 256;
     return leaves(grid.size[0]) * leaves(grid.size[1]) * leaves(grid.size[2]) * leaf_bytes;
 }
 

@@ -98,10 +98,12 @@ private:
         const auto end = [&](std::size_t axis) {
             return std::min(first[axis] + Leaf::DIM, grid_.size[axis]);
         };
-        for (std::uint32_t k = first[2]; k < end(2); ++k)
-            for (std::uint32_t j = first[1]; j < end(1); ++j)
+        for (std::uint32_t k = first[2]; k < end(2); ++k) {
+            for (std::uint32_t j = first[1]; j < end(1); ++j) {
                 for (std::uint32_t i = first[0]; i < end(0); ++i)
                     visit(i, j, k, distances_[grid_.position(i, j, k)]);
+            }
+        }
     }
 
     const PointGrid& grid_;
@@ -143,9 +145,10 @@ Result<openvdb::FloatGrid::Ptr> vdb_grid(const PointGrid& grid, std::span<const 
     LeafFiller filler(grid, distances, band);
     for (std::uint32_t k = 0; k < grid.size[2]; k += Leaf::DIM) {
         if (is_cancelled(progress)) return cancelled("writing", "the grid");
-        for (std::uint32_t j = 0; j < grid.size[1]; j += Leaf::DIM)
+        for (std::uint32_t j = 0; j < grid.size[1]; j += Leaf::DIM) {
             for (std::uint32_t i = 0; i < grid.size[0]; i += Leaf::DIM)
                 filler.fill(field->tree(), {i, j, k});
+        }
     }
     openvdb::tools::prune(field->tree());
     return field;

@@ -50,7 +50,7 @@ Status ClosestQuery::verify(const MeshIndex& oracle, const MeshPart& part, const
 {
     const std::vector<Vec3> points = points_of(rows);
     std::vector<ClosestFeature> expected(points.size());
-    const Status status =
+    Status status =
         closest_features(oracle, points, {.answers = expected}, {.execution = {.threads = {1}}});
     if (!status) return status;
     for (std::size_t i = 0; i < points.size(); ++i) {

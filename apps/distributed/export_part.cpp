@@ -69,7 +69,7 @@ Status write_pieces(const OctreePart& part, const fs::path& path, const fs::path
     Progress* const progress = &world.progress();
     const Octree& octree = part.octree;
     std::uint64_t count = 0;
-    const Status status = world.agree_on([&]() -> Status {
+    Status status = world.agree_on([&]() -> Status {
         const auto leaves = leaf_boxes_below(octree, part.cells, LeafChoice::all, progress);
         if (!leaves) return tl::unexpected(leaves.error());
         count = leaves->size();

@@ -64,12 +64,12 @@ public:
         while (!pending.empty()) {
             const Pending top = pending.back();
             pending.pop_back();
-            if (const Status status = check(top.from); !status) return status;
+            if (Status status = check(top.from); !status) return status;
             const OctreeNode node = file_.nodes()[top.from.node];
             ++nodes_;
             if (node.is_leaf()) {
                 const auto list = file_.triangles(top.from);
-                if (const Status status = check_list(list); !status) return status;
+                if (Status status = check_list(list); !status) return status;
                 output.nodes[top.record] = OctreeNode::leaf(
                     static_cast<std::uint32_t>(output.references.size()), node.count());
                 for (const TriangleId id : list) output.references.push_back(id);
@@ -108,9 +108,9 @@ private:
         while (!pending.empty()) {
             const Cell top = pending.back();
             pending.pop_back();
-            if (const Status status = check(top); !status) return status;
+            if (Status status = check(top); !status) return status;
             if (file_.is_leaf(top)) {
-                if (const Status status = visit_leaf(top); !status) return status;
+                if (Status status = visit_leaf(top); !status) return status;
                 continue;
             }
             for (int octant = 0; octant < 8; ++octant) {
@@ -141,7 +141,7 @@ private:
         return damaged("children lie behind all nodes");
     }
 
-    Status check_list(std::span<const TriangleId> list) const
+    [[nodiscard]] Status check_list(std::span<const TriangleId> list) const
     {
         for (std::size_t i = 0; i < list.size(); ++i) {
             if (to_index(list[i]) >= file_.triangle_count()) return damaged("a triangle is none");
@@ -263,7 +263,7 @@ Result<OctreePart> load_part(const std::filesystem::path& path, int routing_dept
         std::uint32_t record = 0;
         for (Cell& cell : *cells) {
             if (cell.node == Cell::no_node) continue;
-            if (const Status copied = loader.copy(cell, record, *output); !copied) return copied;
+            if (Status copied = loader.copy(cell, record, *output); !copied) return copied;
             cell.node = record++;
         }
         return {};

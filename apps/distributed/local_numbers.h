@@ -59,9 +59,10 @@ private:
     template <class Visit>
     static void each_bit(std::uint64_t bits, std::size_t first, const Visit& visit)
     {
-        for (; bits != 0; bits &= bits - 1)
+        for (; bits != 0; bits &= bits - 1) {
             visit(static_cast<std::uint32_t>(first) +
                   static_cast<std::uint32_t>(std::countr_zero(bits)));
+        }
     }
 
     template <class Visit>

@@ -14,6 +14,7 @@ namespace proxima {
 struct ComponentMeeting {
     std::uint64_t a = 0;
     std::uint64_t b = 0;
+    // NOLINTNEXTLINE(modernize-use-nullptr): no pointer is compared
     friend auto operator<=>(const ComponentMeeting&, const ComponentMeeting&) = default;
 };
 

@@ -46,7 +46,7 @@ Result<NumberType> read_layout(SharedFile& file, bool is_real, RecordArray& rows
         return fail(ErrorCode::unsupported_format,
                     "the array must be little-endian and in C order: write it as such");
     }
-    const auto type = number_type(*header);
+    auto type = number_type(*header);
     if (!type) return type;
     rows.file = &file;
     rows.start = header->length;

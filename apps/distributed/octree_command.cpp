@@ -168,11 +168,11 @@ Status run_octree(const OctreeRunOptions& options, World& world)
     const auto part = octree_of(options, world, line);
     if (!part) return tl::unexpected(part.error());
     if (!options.save.empty()) {
-        const Status saved = save_part(*part, options.save, world);
+        Status saved = save_part(*part, options.save, world);
         if (!saved) return saved;
     }
     if (!options.out.empty()) {
-        const Status exported = export_part(*part, options.out, world);
+        Status exported = export_part(*part, options.out, world);
         if (!exported) return exported;
     }
     LeafCounter counter;
@@ -185,7 +185,7 @@ Status run_octree(const OctreeRunOptions& options, World& world)
         std::fflush(stdout);
     }
     if (!options.is_verified) return {};
-    const Status verified = verify_octree(options, *part, world);
+    Status verified = verify_octree(options, *part, world);
     if (!verified) return verified;
     if (world.rank() == 0) {
         fmt::print("\nLeaves, lists and classes are those of one process.\n");

@@ -50,7 +50,7 @@ Status RayQuery::verify(const MeshIndex& oracle, const MeshPart& /*part*/, const
 {
     const std::vector<Ray> rays = rays_of(rows);
     std::vector<std::optional<RayHit>> expected(rays.size());
-    const Status status = closest_hits(oracle, rays, expected, {.execution = {.threads = {1}}});
+    Status status = closest_hits(oracle, rays, expected, {.execution = {.threads = {1}}});
     if (!status) return status;
     for (std::size_t i = 0; i < rays.size(); ++i) {
         const std::string_view found = difference(answers[i], expected[i]);

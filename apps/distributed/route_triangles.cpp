@@ -72,7 +72,8 @@ CellCounts count_cells(const CoarseBins& bins, std::size_t triangles)
         CellCounts::NewFrom new_from{};
         for (const std::uint32_t id : bins.triangles(bin)) {
             const std::uint32_t last = std::exchange(last_bin[id], bin);
-            const int levels = (std::bit_width(last ^ bin) + 2) / 3; // below a common cell
+            const int levels =
+                (static_cast<int>(std::bit_width(last ^ bin)) + 2) / 3; // below a common cell
             ++new_from[last == none ? 0 : static_cast<std::size_t>(bins.depth - levels + 1)];
         }
         counts.add(bin, new_from);

@@ -28,7 +28,7 @@ public:
     [[nodiscard]] Status write(const Make& make)
     {
         fmt::memory_buffer text;
-        const Status status = world_->agree_on([&]() -> Status {
+        Status status = world_->agree_on([&]() -> Status {
             text = make(format_);
             return {};
         });

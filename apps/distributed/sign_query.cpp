@@ -21,7 +21,7 @@ Status SignQuery::verify(const MeshIndex& oracle, const MeshPart& part, const Ta
 {
     const std::vector<Vec3> points = points_of(rows);
     std::vector<SignedDistance> expected(points.size());
-    const Status status =
+    Status status =
         signed_distances(oracle, points, {.answers = expected}, {.execution = {.threads = {1}}});
     if (!status) return status;
     for (std::size_t i = 0; i < points.size(); ++i) {

@@ -142,7 +142,7 @@ private:
                 return ends_early(array.name);
             }
             for (std::uint64_t i = 0; i < count; ++i) {
-                const Status status = take(first + i, buffer.data() + i * bytes);
+                Status status = take(first + i, buffer.data() + i * bytes);
                 if (!status) return status;
             }
             if (!steps.done(count)) return cancelled("reading", array.name);

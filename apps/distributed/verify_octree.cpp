@@ -58,7 +58,7 @@ Status compare(const OctreeRunOptions& options, const OctreeParameters& paramete
 Status verify_octree(const OctreeRunOptions& options, const OctreePart& part, World& world)
 {
     LeafList own;
-    const Status status = world.agree_on([&]() -> Status {
+    Status status = world.agree_on([&]() -> Status {
         own.part = &part;
         for (const Cell& cell : part.cells) traverse_below(part.octree, cell, own);
         return {};

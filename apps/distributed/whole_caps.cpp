@@ -51,6 +51,7 @@ Result<TriangleMesh> cap(const std::vector<WholeEdge>& edges,
         return static_cast<std::uint32_t>(std::ranges::lower_bound(ends, vertex) - ends.begin());
     };
     std::vector<DirectedEdge> local;
+    local.reserve(edges.size());
     for (const WholeEdge& edge : edges) {
         local.push_back(
             {number(edge.from), number(edge.to), static_cast<std::int32_t>(edge.excess)});

@@ -24,7 +24,7 @@ Result<EglContext> EglContext::create()
         !epoxy_has_egl_extension(EGL_NO_DISPLAY, "EGL_MESA_platform_surfaceless")) {
         return no_opengl("this machine cannot draw without a display");
     }
-    const EGLDisplay display =
+    EGLDisplay display =
         eglGetPlatformDisplayEXT(EGL_PLATFORM_SURFACELESS_MESA, EGL_DEFAULT_DISPLAY, nullptr);
     if (display == EGL_NO_DISPLAY || eglInitialize(display, nullptr, nullptr) == EGL_FALSE)
         return no_opengl("EGL does not start");
@@ -38,7 +38,7 @@ Result<EglContext> EglContext::create()
                                                   EGL_TRUE,
                                                   EGL_NONE};
     if (eglBindAPI(EGL_OPENGL_API) == EGL_FALSE) return no_opengl("EGL has no OpenGL");
-    const EGLContext context =
+    EGLContext context =
         eglCreateContext(display, EGL_NO_CONFIG_KHR, EGL_NO_CONTEXT, attributes.data());
     if (context == EGL_NO_CONTEXT) return no_opengl("there is no OpenGL 3.3");
     EglContext result(display, context);

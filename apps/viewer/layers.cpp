@@ -92,9 +92,10 @@ Box bounding_box(std::span<const SceneLayer> layers)
     for (const SceneLayer& layer : layers) {
         for (const SceneSurface& surface : layer.scene->surfaces)
             for (const Vec3& position : surface.positions) box.extend(layer.pose(position));
-        for (const SceneLines& lines : layer.scene->lines)
+        for (const SceneLines& lines : layer.scene->lines) {
             for (const auto& segment : lines.segments)
                 for (const Vec3& position : segment) box.extend(layer.pose(position));
+        }
     }
     return box;
 }

@@ -7,9 +7,10 @@ std::vector<Vec3> positions_of(const DrawnScene& scene)
     std::vector<Vec3> positions;
     for (const SceneSurface& surface : scene.surfaces)
         positions.insert(positions.end(), surface.positions.begin(), surface.positions.end());
-    for (const SceneLines& lines : scene.lines)
+    for (const SceneLines& lines : scene.lines) {
         for (const auto& segment : lines.segments)
             positions.insert(positions.end(), segment.begin(), segment.end());
+    }
     return positions;
 }
 

@@ -99,7 +99,7 @@ Result<std::shared_ptr<const ViewModel>> make_view_model(std::string name, Trian
     model->name = std::move(name);
     model->mesh = std::move(mesh);
     model->topology = std::move(*topology);
-    model->rays = std::move(*rays);
+    model->rays = *rays;
     return model;
 }
 

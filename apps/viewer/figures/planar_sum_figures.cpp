@@ -52,6 +52,7 @@ void draw_copies(PlanarPanel& panel, const PlanarSum& sum)
     panel.fill(triangle, red_tint);
     for (const Vec2& corner : triangle) {
         std::vector<Vec2> copy;
+        copy.reserve(rectangle.size());
         for (const Vec2& point : rectangle) copy.emplace_back(corner + point);
         panel.fill(copy, blue_tint);
         panel.outline(copy, blue, 1.5);
@@ -289,6 +290,7 @@ Result<FigureContent> figure_3_14(const Execution& /*context*/)
         panel.fill(sum->b().corners, red_tint);
         for (int j = 0; j < static_cast<int>(sum->b().corners.size()); ++j) {
             std::vector<Vec2> copy;
+            copy.reserve(sum->a().corners.size());
             for (int i = 0; i < static_cast<int>(sum->a().corners.size()); ++i)
                 copy.push_back(sum->point(sum->index({i, j}), scales));
             panel.fill(copy, blue_tint);

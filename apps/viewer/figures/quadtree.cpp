@@ -9,8 +9,8 @@ namespace {
 
 class QuadtreeBuilder {
 public:
-    QuadtreeBuilder(std::vector<PlanarSum> sums, const QuadtreeOptions& options)
-        : sums_(std::move(sums)), options_(options)
+    QuadtreeBuilder(std::vector<PlanarSum> sums, QuadtreeOptions options)
+        : sums_(std::move(sums)), options_(std::move(options))
     {}
 
     std::vector<QuadtreeLeaf> build()

@@ -86,8 +86,7 @@ public:
             if (!round_a) return tl::unexpected(round_a.error());
             auto round_b = build_enclosure(b.rays, {.execution = context});
             if (!round_b) return tl::unexpected(round_b.error());
-            return Sides{std::move(*near_a), std::move(*near_b), std::move(*round_a),
-                         std::move(*round_b)};
+            return Sides{*near_a, *near_b, *round_a, *round_b};
         });
         if (!sides) return tl::unexpected(sides.error());
         const Sides& of = **sides;

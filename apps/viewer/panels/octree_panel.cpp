@@ -89,7 +89,7 @@ int group_of(const OctreePanelSettings& settings, const LeafBox& leaf)
     case ColorBy::count:
         break;
     }
-    return std::bit_width(leaf.triangles); // 0, 1, 2-3, 4-7, ...
+    return static_cast<int>(std::bit_width(leaf.triangles)); // 0, 1, 2-3, 4-7, ...
 }
 
 Color color_of_group(const OctreePanelSettings& settings, int group,
@@ -98,7 +98,7 @@ Color color_of_group(const OctreePanelSettings& settings, int group,
     if (settings.color == ColorBy::type) return class_color(static_cast<CellClass>(group));
     const int most = settings.color == ColorBy::depth
                          ? std::max(statistics.depth_reached, 1)
-                         : std::max<int>(std::bit_width(statistics.max_triangles), 1);
+                         : std::max(static_cast<int>(std::bit_width(statistics.max_triangles)), 1);
     return ramp_color(static_cast<double>(group) / most);
 }
 
@@ -204,9 +204,10 @@ void add_facts(PanelPicture& picture, const BuiltOctree& built, std::size_t show
     add("built in", fmt::format("{:.1f} ms", 1e3 * built.seconds));
     if (shown > most_cells) add("drawn", concat("the largest ", most_cells, " of ", shown));
     PanelPlot plot = {"leaves by depth", {}, true};
-    for (int depth = 0; depth <= s.depth_reached; ++depth)
+    for (int depth = 0; depth <= s.depth_reached; ++depth) {
         plot.values.push_back(
             static_cast<float>(s.leaves_at_depth[static_cast<std::size_t>(depth)]));
+    }
     picture.plots.push_back(std::move(plot));
 }
 
@@ -255,8 +256,8 @@ public:
 
     [[nodiscard]] PanelTask task(const ViewModels& models) const override
     {
-        const auto model = models[static_cast<std::size_t>(settings_.build.model - 1)];
-        return [model, settings = settings_,
+        return [model = models[static_cast<std::size_t>(settings_.build.model - 1)],
+                settings = settings_,
                 kept = kept_](const Execution& context) -> Result<PanelPicture> {
             const auto built =
                 kept->get(settings.build, [&] { return build(*model, settings.build, context); });

@@ -45,13 +45,15 @@ std::shared_ptr<const DrawnScene> ray_scene(const RaySettings& settings, const O
     const double begin = cells.empty() ? 0.5 * size : cells.front().enter * ray.direction.norm();
     const double end = cells.empty() ? size : cells.back().exit * ray.direction.norm();
     const auto at = [&](double length) -> Vec3 { return ray.origin + length * along; };
-    if (begin > 0.02 * size)
+    if (begin > 0.02 * size) {
         add_arrow(*scene, at(std::max(0.0, begin - 0.4 * size)), at(begin - 0.005 * size),
                   0.006 * size, arrow);
+    }
     add_arrow(*scene, at(end + 0.005 * size), at(end + 0.25 * size), 0.006 * size, arrow);
-    for (const RayHit& hit : hits)
+    for (const RayHit& hit : hits) {
         add_ball(*scene, ray.at(hit.t), 0.009 * size,
                  {.name = "hit", .color = srgb(figure_colors::blue), .lift = 1e-2});
+    }
     return scene;
 }
 
