@@ -146,9 +146,10 @@ void race_sheets(const BenchOptions& options)
     constexpr std::uint32_t cells = 60;
     std::vector<Vec3> points;
     std::vector<TriangleCorners> triangles;
-    for (std::uint32_t i = 0; i <= cells; ++i)
+    for (std::uint32_t i = 0; i <= cells; ++i) {
         for (std::uint32_t k = 0; k <= cells; ++k)
             points.emplace_back(turned * Vec3(2.0 * i / cells - 1, 2.0 * k / cells - 1, 0));
+    }
     for (std::uint32_t i = 0; i < cells; ++i) {
         for (std::uint32_t k = 0; k < cells; ++k) {
             const std::uint32_t at = i * (cells + 1) + k;

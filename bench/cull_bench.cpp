@@ -66,8 +66,8 @@ Result<std::unique_ptr<Scene>> make_scene(TriangleMesh mesh)
     VertexArrays vertices_by_id(mesh.positions(), mesh.triangles());
     VertexArrays vertices_by_row(mesh.positions(), sorted);
     return std::make_unique<Scene>(
-        Scene{std::move(mesh), std::move(*index), std::move(sorted), std::move(by_id),
-              std::move(by_row), std::move(vertices_by_id), std::move(vertices_by_row), seconds});
+        Scene{std::move(mesh), *index, std::move(sorted), std::move(by_id), std::move(by_row),
+              std::move(vertices_by_id), std::move(vertices_by_row), seconds});
 }
 
 std::size_t visible_count(const Scene& scene, const ViewVolume& volume)
@@ -146,8 +146,10 @@ void race(Scene& scene, double part, const BenchOptions& options)
 {
     std::mt19937_64 random(options.seed);
     std::vector<ViewVolume> volumes;
+    volumes.reserve(static_cast<std::size_t>(options.views));
     for (int i = 0; i < options.views; ++i) volumes.push_back(camera_for(scene, part, random));
     std::vector<std::vector<LanePlane>> planes;
+    planes.reserve(volumes.size());
     for (const ViewVolume& volume : volumes) planes.push_back(lane_planes(volume));
 
     const std::size_t triangles = scene.mesh.triangle_count();

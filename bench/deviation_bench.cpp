@@ -11,7 +11,7 @@
 #include <cstdio>
 #include <cstdlib>
 
-int main(int argc, char** argv)
+int main(int argc, char** argv) // NOLINT(bugprone-exception-escape): of CGAL, which end the program
 {
     using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
     CGAL::Surface_mesh<Kernel::Point_3> a;

@@ -24,10 +24,12 @@ public:
             geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, stride, mesh.vertex_count()));
         auto* const corners = static_cast<std::uint32_t*>(rtcSetNewGeometryBuffer(
             geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, stride, mesh.triangle_count()));
-        for (std::size_t i = 0; i < mesh.vertex_count(); ++i)
-            for (std::size_t k = 0; k < 3; ++k)
+        for (std::size_t i = 0; i < mesh.vertex_count(); ++i) {
+            for (std::size_t k = 0; k < 3; ++k) {
                 positions[3 * i + k] =
                     static_cast<float>(mesh.positions()[i][static_cast<Eigen::Index>(k)]);
+            }
+        }
         for (std::size_t i = 0; i < mesh.triangle_count(); ++i)
             for (std::size_t k = 0; k < 3; ++k) corners[3 * i + k] = mesh.triangles()[i][k];
         rtcCommitGeometry(geometry);
@@ -99,10 +101,11 @@ private:
     static void set_pose(RTCGeometry instance, const RigidTransform& pose)
     {
         std::array<float, 12> columns{};
+        std::size_t filled = 0;
         for (int column = 0; column < 4; ++column) {
             for (int row = 0; row < 3; ++row) {
-                columns[static_cast<std::size_t>(3 * column + row)] = static_cast<float>(
-                    column < 3 ? pose.rotation(row, column) : pose.translation[row]);
+                columns[filled++] = static_cast<float>(column < 3 ? pose.rotation(row, column)
+                                                                  : pose.translation[row]);
             }
         }
         rtcSetGeometryTransform(instance, 0, RTC_FORMAT_FLOAT3X4_COLUMN_MAJOR, columns.data());

@@ -16,7 +16,7 @@ PeerAnswer answer_of(const ClosestFeature& found)
 
 class ProximaPeer {
 public:
-    explicit ProximaPeer(MeshIndex index) : index_(std::move(index)) {}
+    explicit ProximaPeer(const MeshIndex& index) : index_(index) {}
 
     [[nodiscard]] PeerAnswer closest(const Vec3& point) const
     {

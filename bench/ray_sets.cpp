@@ -11,7 +11,7 @@ Vec3 to_floats(const Vec3& p)
     // One by one: g++ 12 drops the rounding where it makes vectors of such a way there and back.
     Vec3 rounded;
     for (int axis = 0; axis < 3; ++axis) {
-        volatile float nearest = static_cast<float>(p[axis]);
+        volatile auto nearest = static_cast<float>(p[axis]);
         rounded[axis] = static_cast<double>(nearest);
     }
     return rounded;

@@ -27,7 +27,7 @@ int run_patch_table(const std::string& mesh, const PatchTableOptions& options)
     const WorkspaceMap map = (*loaded)->map;
     proxima::TouchModel model;
     model.surface = {std::move((*loaded)->mesh), std::move((*loaded)->topology)};
-    model.index = std::move((*loaded)->index);
+    model.index = (*loaded)->index;
     model.contact = std::make_unique<IndexContactSurface>(model.index);
     std::printf(
         "%s, %zu triangles: patches at 100 Hz, a period late, in %llu ticks of each script\n",

@@ -65,12 +65,15 @@ std::vector<BenchScene> bench_scenes()
     if (std::filesystem::exists(bunny)) three.push_back({bunny, Vec3(0, 0, 0.9)});
     std::vector<PlacedModel> herd;
     for (int i = 0; i < 4; ++i) {
-        const Vec3 place(0.8 * (i % 2), 0.8 * (i / 2), 0.1 * i);
+        const int row = i / 2;
+        const Vec3 place(0.8 * (i % 2), 0.8 * row, 0.1 * i);
         herd.push_back({std::filesystem::exists(bunny) ? bunny : "torus:200x175", place});
     }
     std::vector<PlacedModel> many;
     for (int i = 0; i < 64; ++i) {
-        const Vec3 place(0.9 * (i % 4), 0.9 * (i / 4 % 4), 0.9 * (i / 16));
+        const int row = i / 4 % 4;
+        const int layer = i / 16;
+        const Vec3 place(0.9 * (i % 4), 0.9 * row, 0.9 * layer);
         many.push_back({"torus:24x12", place});
     }
     return {{"one at rest", {three.front()}, false},
@@ -89,7 +92,8 @@ Result<TriangleMesh> unit_mesh(const std::string& name)
     const Box box = bounding_box(*mesh);
     const double size = box.extent().maxCoeff();
     std::vector<Vec3> positions;
-    for (const Vec3& p : mesh->positions()) positions.push_back((p - box.center()) / size);
+    positions.reserve(mesh->vertex_count());
+    for (const Vec3& p : mesh->positions()) positions.emplace_back((p - box.center()) / size);
     return make_triangle_mesh(std::move(positions),
                               {mesh->triangles().begin(), mesh->triangles().end()});
 }

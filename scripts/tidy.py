@@ -3,8 +3,8 @@
 
     scripts/tidy.py BUILD FILE...      BUILD: a folder with compile_commands.json
 
-Most of the time goes to the headers that a source includes, so up to a dozen sources of one target are joined to one
-that includes them all. The static analyzer looks only at the source itself, so it is run on each alone; not on tests,
+Most of the time goes to the headers that a source includes, so up to forty sources of one target are joined to one
+that includes them all, or half of them where they cannot be joined. The static analyzer looks only at the source itself, so it is run on each alone; not on tests,
 for in the macros of GoogleTest it spends a minute each.
 
 What a source is, is its text with all that it includes, its command, and the rules. Each that passed leaves
@@ -23,7 +23,7 @@ from pathlib import Path
 
 TIDY = "clang-tidy-14"
 ROOT = Path(__file__).resolve().parent.parent
-JOINED = 12
+JOINED = 40
 ANALYZER = "clang-analyzer-*"
 # A joined source's parts are headers to clang-tidy.
 HEADERS = r"--header-filter=(src|apps|tests|bench|fuzz)/.*\.(h|cpp)$"
@@ -67,16 +67,18 @@ def findings_of(source, command, folder, *options):
 
 
 def joined_findings(sources, command, folder, place):
-    """What all rules but the analyzer's say of sources together, or of each where they cannot be joined."""
+    """What all rules but the analyzer's say of sources together, or of each half where they cannot be joined."""
+    if len(sources) == 1:
+        return findings_of(sources[0], command, folder, f"--checks=-{ANALYZER}")
     rules = ",".join("-" + rule for rule in [ANALYZER, *BETWEEN_SOURCES])
-    if len(sources) > 1:
-        together = place / (hashlib.sha256(" ".join(map(str, sources)).encode()).hexdigest()[:16] + ".cpp")
-        together.write_text("".join(f'#include "{source}"\n' for source in sources))
-        found = findings_of(together, command, folder, HEADERS, f"--checks={rules}")
-        if found is None or "clang-diagnostic-" not in found:
-            return found
-    all_found = [findings_of(source, command, folder, f"--checks=-{ANALYZER}") for source in sources]
-    return "\n".join(one for one in all_found if one is not None) or None
+    together = place / (hashlib.sha256(" ".join(map(str, sources)).encode()).hexdigest()[:16] + ".cpp")
+    together.write_text("".join(f'#include "{source}"\n' for source in sources))
+    found = findings_of(together, command, folder, HEADERS, f"--checks={rules}")
+    if found is None or "clang-diagnostic-" not in found:
+        return found
+    middle = len(sources) // 2
+    halves = [joined_findings(half, command, folder, place) for half in (sources[:middle], sources[middle:])]
+    return "\n".join(one for one in halves if one is not None) or None
 
 
 def can_be_joined(source):

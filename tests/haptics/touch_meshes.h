@@ -46,9 +46,10 @@ inline TriangleMesh grid_mesh(std::uint32_t columns, std::uint32_t rows,
 {
     std::vector<Vec3> positions;
     std::vector<TriangleCorners> triangles;
-    for (std::uint32_t i = 0; i < columns; ++i)
+    for (std::uint32_t i = 0; i < columns; ++i) {
         for (std::uint32_t j = 0; j < rows; ++j)
             positions.push_back(at(i / (columns - 1.0), j / (rows - 1.0)));
+    }
     for (std::uint32_t i = 0; i + 1 < columns; ++i) {
         for (std::uint32_t j = 0; j + 1 < rows; ++j) {
             const std::uint32_t a = i * rows + j;

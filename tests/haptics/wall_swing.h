@@ -37,7 +37,7 @@ private:
     {
         const double half = 0.5;
         const double gap = sides == WallSides::two ? ball + room : 0.0;
-        const TriangleMesh below = cube_mesh(Vec3(0, 0, -half - gap), half);
+        TriangleMesh below = cube_mesh(Vec3(0, 0, -half - gap), half);
         if (sides == WallSides::one) return below;
         return joined(below, cube_mesh(Vec3(0, 0, half + gap), half));
     }

@@ -21,7 +21,7 @@ const OrbitCamera sum_camera = {.azimuth = 0.55, .elevation = 0.42};
 Status add_copies(DrawnScene& scene, const MinkowskiSum& sum, float opacity)
 {
     for (const Vec3& corner : sum.a().points()) {
-        const Status status = add_polyhedron(
+        Status status = add_polyhedron(
             scene, sum.b(), corner,
             {.name = "copy of B", .color = color_of(FacetOrigin::b), .opacity = opacity},
             {.color = srgb(0x24406F), .width = 1.5, .opacity = opacity});

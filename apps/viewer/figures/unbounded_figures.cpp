@@ -118,8 +118,9 @@ Result<FigureContent> figure_4_7(const Execution& /*context*/)
                                "(c) edges that obstruct the rays", "(d) the unbounded sum"};
     std::size_t removed = 0;
     for (std::size_t i = 0; i < titles.size(); ++i) {
+        const std::size_t row = i / 2;
         const double left = 20.0 + 610.0 * static_cast<double>(i % 2);
-        const double top = 55.0 + 550.0 * static_cast<double>(i / 2);
+        const double top = 55.0 + 550.0 * static_cast<double>(row);
         ConeDrawing drawing = {*sum,
                                {figure, {Vec2(left, top), Vec2(left + 590, top + 490)}, shown}};
         PlanarPanel& panel = drawing.panel;
