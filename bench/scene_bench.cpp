@@ -166,7 +166,7 @@ Workload make_workload(const TriangleMesh& mesh, const BenchOptions& options)
     }
     for (std::size_t i = 0; i < options.rays; ++i) {
         work.rays.push_back({.origin = half * vector(), .direction = vector()});
-        work.points.push_back(half * vector());
+        work.points.emplace_back(half * vector());
     }
     return work;
 }

@@ -52,6 +52,7 @@ MinkowskiSum general_sum(const WorkloadGroup& group)
 {
     std::vector<Vec3> corners;
     std::vector<Vec3> cube;
+    cube.reserve(8);
     for (const WholePoint& v : group.triangle) {
         corners.emplace_back(static_cast<double>(v[0]), static_cast<double>(v[1]),
                              static_cast<double>(v[2]));

@@ -138,7 +138,7 @@ int run_mesh(const std::string& name, const TouchBenchOptions& options)
 } // namespace
 } // namespace proxima::bench
 
-int main(int argc, char** argv)
+int main(int argc, char** argv) // NOLINT(bugprone-exception-escape): ends the program, and says so
 {
     using namespace proxima::bench;
     TouchBenchOptions options;

@@ -4,8 +4,8 @@
     scripts/tidy.py BUILD FILE...      BUILD: a folder with compile_commands.json
 
 Most of the time goes to the headers that a source includes, so up to forty sources of one target are joined to one
-that includes them all, or half of them where they cannot be joined. The static analyzer looks only at the source itself, so it is run on each alone; not on tests,
-for in the macros of GoogleTest it spends a minute each.
+that includes them all, or half of them where they cannot be joined. The static analyzer looks only at the source itself,
+so it is run on each alone; not on tests, for in the macros of GoogleTest it spends a minute each.
 
 What a source is, is its text with all that it includes, its command, and the rules. Each that passed leaves
 an empty file of that hash in BUILD/tidied. A source that BUILD does not compile is checked as its neighbour
