@@ -17,10 +17,10 @@ namespace {
 using namespace proxima;
 
 /// The command with its options, which does nothing.
-template <AddCommand add>
+template <AddCommand Add>
 Command without_its_work(CLI::App& app)
 {
-    Command command = add(app);
+    Command command = Add(app);
     // The work owns what the options are read into.
     command.run = [work = std::move(command.run)](Session& /*session*/) { return Status(); };
     return command;
@@ -50,6 +50,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
         words.push_back(word);
     }
     std::vector<char*> arguments;
+    arguments.reserve(words.size() + 1);
     for (std::string& word : words) arguments.push_back(word.data());
     arguments.push_back(nullptr);
     const int status =

@@ -25,7 +25,9 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     if (!loaded) return 0;
     // A lattice about the mesh, and points beyond it.
     for (int i = 0; i < 125; ++i) {
-        const proxima::Vec3 at(i % 5 - 2, i / 5 % 5 - 2, i / 25 - 2);
+        const int row = i / 5 % 5;
+        const int layer = i / 25;
+        const proxima::Vec3 at(i % 5 - 2, row - 2, layer - 2);
         proxima::QuerySteps steps;
         const proxima::Vec3 p = loaded->parts().center() + 0.76 * loaded->parts().unscale() * at;
         const auto closest = closest_feature(*loaded, p, {}, steps);

@@ -30,7 +30,9 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
         features.faces != mesh.triangle_count())
         return 0;
     for (int i = 0; i < 125; ++i) {
-        const Vec3 point = 0.7 * Vec3(i % 5 - 2, i / 5 % 5 - 2, i / 25 - 2);
+        const int row = i / 5 % 5;
+        const int layer = i / 25;
+        const Vec3 point = 0.7 * Vec3(i % 5 - 2, row - 2, layer - 2);
         const auto closest = closest_feature(*octree, mesh, topology, point);
         if (closest) PROXIMA_CHECK_LT(to_index(closest->triangle), mesh.triangle_count());
     }

@@ -62,9 +62,10 @@ void expect_distance(const MeshIndex& a, const MeshIndex& b, const RigidTransfor
 double distance_from(const TriangleMesh& mesh, const Vec3& p)
 {
     double least = HUGE_VAL;
-    for (std::uint32_t i = 0; i < mesh.triangle_count(); ++i)
+    for (std::uint32_t i = 0; i < mesh.triangle_count(); ++i) {
         least =
             std::min(least, length_of(closest_point(mesh.triangle(TriangleId{i}), p).point - p));
+    }
     return least;
 }
 

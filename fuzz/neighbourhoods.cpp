@@ -58,6 +58,7 @@ void expect_balls(const MeshIndex& index, const Vec3& p, double radius,
     std::vector<NearTriangle> near = all;
     std::erase_if(near, [&](const NearTriangle& one) { return one.squared_distance > square; });
     std::vector<TriangleId> ids;
+    ids.reserve(near.size());
     for (const NearTriangle& one : near) ids.push_back(one.triangle);
     std::ranges::sort(ids);
 

@@ -14,7 +14,7 @@ inline std::shared_ptr<std::byte> exact_copy(const void* bytes, std::size_t size
     struct Free {
         void operator()(std::byte* p) const { ::operator delete[](p, std::align_val_t{64}); }
     };
-    const std::shared_ptr<std::byte> copy(
+    std::shared_ptr<std::byte> copy(
         static_cast<std::byte*>(::operator new[](size, std::align_val_t{64})), Free{});
     if (size > 0) std::memcpy(copy.get(), bytes, size);
     return copy;

@@ -163,7 +163,7 @@ Vec3 point_of(const py::handle& object, const char* name)
 
 Box box_between(const py::handle& lower, const py::handle& upper)
 {
-    const Box box{point_of(lower, "lower"), point_of(upper, "upper")};
+    Box box{point_of(lower, "lower"), point_of(upper, "upper")};
     if (box.empty()) refuse("lower", "must be at most upper along each axis, and no NaN");
     return box;
 }

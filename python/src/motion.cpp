@@ -17,11 +17,10 @@ RigidMotion motion_of(const py::object& object)
 {
     if (!py::isinstance(object, result_type("Motion")))
         refuse_object(object, "motion", "a proxima.Motion");
-    const RigidMotion motion{.start = pose_of(object.attr("start")),
-                             .center = point_of(object.attr("center"), "motion.center"),
-                             .displacement =
-                                 point_of(object.attr("displacement"), "motion.displacement"),
-                             .turn = point_of(object.attr("turn"), "motion.turn")};
+    RigidMotion motion{.start = pose_of(object.attr("start")),
+                       .center = point_of(object.attr("center"), "motion.center"),
+                       .displacement = point_of(object.attr("displacement"), "motion.displacement"),
+                       .turn = point_of(object.attr("turn"), "motion.turn")};
     value_of(check_motion(motion));
     return motion;
 }

@@ -189,7 +189,7 @@ struct BinaryFileWriter::State {
     {
         for (; section < head.table.size(); ++section) {
             binary_file::TableEntry& entry = head.table[section];
-            const Status status = write_gap(file, written, entry.offset);
+            Status status = write_gap(file, written, entry.offset);
             if (!status) return status;
             XXH3_64bits_reset(&checksum);
             left = entry.bytes;
@@ -218,7 +218,7 @@ Result<BinaryFileWriter> BinaryFileWriter::create(const std::filesystem::path& p
     // No file until its head is there.
     const std::vector<std::byte> zeros(sizeof(Header) + sections.size() * sizeof(TableEntry));
     if (auto status = file->write(zeros); !status) return tl::unexpected<Error>(status.error());
-    auto state = std::unique_ptr<State>(new State{std::move(*file), std::move(*head)});
+    auto state = std::make_unique<State>(State{std::move(*file), std::move(*head)});
     state->written = zeros.size();
     if (auto status = state->begin_section(); !status) return tl::unexpected<Error>(status.error());
     return BinaryFileWriter(std::move(state));

@@ -12,11 +12,8 @@ namespace {
 
 Mat3 rotation_of(std::span<const double, 12> matrix)
 {
-    Mat3 rotation;
-    for (int row = 0; row < 3; ++row)
-        for (int column = 0; column < 3; ++column)
-            rotation(row, column) = matrix[static_cast<std::size_t>(4 * row + column)];
-    return rotation;
+    using Rows = Eigen::Matrix<double, 3, 4, Eigen::RowMajor>;
+    return Eigen::Map<const Rows>(matrix.data()).leftCols<3>();
 }
 
 double rotation_error(const Mat3& rotation)

@@ -106,9 +106,9 @@ void merge_close(std::vector<Vec3>& vectors, double distance)
     std::vector<Vec3> kept;
     for (const Vec3& v : vectors) {
         bool is_new = true;
-        for (auto other = kept.rbegin(); other != kept.rend(); ++other) {
-            if (v.x() - other->x() > distance) break;
-            if ((v - *other).cwiseAbs().maxCoeff() <= distance) {
+        for (std::size_t i = kept.size(); i-- > 0;) {
+            if (v.x() - kept[i].x() > distance) break;
+            if ((v - kept[i]).cwiseAbs().maxCoeff() <= distance) {
                 is_new = false;
                 break;
             }

@@ -81,13 +81,13 @@ SceneFiles::SceneFiles(const MeshSource& source, std::string scene_name, fs::pat
 Result<fs::path> SceneFiles::find(const std::string& uri) const
 {
     const std::string decoded = percent_decoded(uri);
-    const auto found = hides_separators(uri, decoded)
-                           ? fail(ErrorCode::malformed_file,
-                                  concat("it refers to the file ", uri,
-                                         ", whose name has an escaped slash, backslash or NUL: "
-                                         "rename the file"),
-                                  source_.name)
-                           : find_file(decoded);
+    auto found = hides_separators(uri, decoded)
+                     ? fail(ErrorCode::malformed_file,
+                            concat("it refers to the file ", uri,
+                                   ", whose name has an escaped slash, backslash or NUL: "
+                                   "rename the file"),
+                            source_.name)
+                     : find_file(decoded);
     std::error_code error;
     if (decoded == uri || (found && fs::is_regular_file(*found, error))) return found;
     // Not every exporter encodes names.

@@ -100,9 +100,10 @@ inline std::vector<NearInstances> near_one_by_one(const RandomScene& scene, doub
         const Instance& b = scene.instances[j];
         const auto near = mesh_distance(scene.shapes[a.shape], scene.shapes[b.shape],
                                         relative_pose(a.pose, b.pose), {.farthest = distance});
-        if (near && near->distance <= distance)
+        if (near && near->distance <= distance) {
             pairs.push_back(
                 {id_of(i), id_of(j), *near, a.pose(near->point_a), a.pose(near->point_b)});
+        }
     });
     return pairs;
 }
@@ -154,9 +155,10 @@ public:
         const Vec3 target = place();
         ray.origin = place();
         const std::uint64_t kind = random_.below(8);
-        if (kind == 0)
+        if (kind == 0) {
             ray.origin = target + std::ldexp(reach(), static_cast<int>(random_.below(60))) *
                                       random_.vector();
+        }
         ray.direction = target - ray.origin;
         if (kind == 1) ray.direction = reach() * Vec3::Unit(static_cast<int>(random_.below(3)));
         if (kind == 2) ray.direction[static_cast<int>(random_.below(3))] = 0;
