@@ -22,9 +22,10 @@ namespace {
 class BlockRefitter {
 public:
     /// `blocks` are a copy of the index's.
-    BlockRefitter(const IndexParts& index, const TriangleMesh& mesh, const IndexFrame& frame,
+    BlockRefitter(const IndexParts& index, const TriangleMesh& mesh, IndexFrame frame,
                   std::span<IndexBlock> blocks)
-        : index_(index), mesh_(mesh), frame_(frame), blocks_(blocks), boxes_(blocks.size())
+        : index_(index), mesh_(mesh), frame_(std::move(frame)), blocks_(blocks),
+          boxes_(blocks.size())
     {}
 
     /// Leaves in parallel, then nodes from below: these are a seventh of the blocks. False where it was
@@ -37,8 +38,8 @@ public:
             (is_leaf_reference(reference) ? leaves : nodes).push_back(reference & ~index_leaf_bit);
         };
         list(root);
-        for (std::size_t i = 0; i < nodes.size(); ++i) {
-            for (const std::uint32_t child : blocks_[nodes[i]].node.children)
+        for (std::size_t next = 0; next < nodes.size();) {
+            for (const std::uint32_t child : blocks_[nodes[next++]].node.children)
                 if (child != index_leaf_bit) list(child);
         }
         parallel_chunks(leaves.size(), leaves_per_task, threads,

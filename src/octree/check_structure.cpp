@@ -31,7 +31,7 @@ public:
 
     Status run()
     {
-        if (const Status status = check_header(); !status) return status;
+        if (Status status = check_header(); !status) return status;
         FixedStack<Pending, 7 * max_octree_depth + 1> pending;
         pending.push({});
         reached_[0] = true;
@@ -40,10 +40,10 @@ public:
             const OctreeNode node = nodes_[top.record];
             if (!steps_.done(1)) return cancelled("checking the octree");
             if (node.is_leaf()) {
-                if (const Status status = check_leaf(top, node); !status) return status;
+                if (Status status = check_leaf(top, node); !status) return status;
                 continue;
             }
-            if (const Status status = check_split(top, node); !status) return status;
+            if (Status status = check_split(top, node); !status) return status;
             std::uint32_t record = node.first;
             for (std::uint32_t mask = node.recorded_mask(); mask != 0; mask &= mask - 1) {
                 const std::uint32_t lowest = mask & (~mask + 1U);
@@ -113,7 +113,7 @@ private:
         if (end > listed_.size()) {
             return bad(concat("a list ends at reference ", end, " of ", listed_.size()), at.record);
         }
-        if (const Status status = check_class_bit(at, node); !status) return status;
+        if (Status status = check_class_bit(at, node); !status) return status;
         const std::span<const TriangleId> list =
             octree_.references().subspan(node.first, node.count());
         for (std::size_t i = 0; i < list.size(); ++i) {
@@ -143,7 +143,7 @@ private:
         if (uniform() ? recorded != 0xFFU : recorded == 0 || node.is_empty()) {
             return bad("a split cell lacks children", at.record);
         }
-        const std::uint64_t children = static_cast<std::uint64_t>(std::popcount(recorded));
+        const auto children = static_cast<std::uint64_t>(std::popcount(recorded));
         if (node.first + children > nodes_.size()) {
             return bad(
                 concat("children end at record ", node.first + children, " of ", nodes_.size()),
@@ -166,7 +166,7 @@ private:
         if (node.is_empty() && node.inner_mask() != (at.empty_is_inner ? 0xFFU : 0U)) {
             return bad("an empty cell is partly inner", at.record);
         }
-        if (const Status status = check_class_bit(at, node); !status) return status;
+        if (Status status = check_class_bit(at, node); !status) return status;
         ++reached_count_;
         return {};
     }

@@ -39,7 +39,8 @@ constexpr double least_mass = 0.06; ///< kg: an assumption, of a device and what
 /// much time in contact.
 bool is_brief(double contact, double stiffness, int late_ticks, double tick_seconds) noexcept
 {
-    const double longest = brief_contact * (most_delay_ticks + 1 + late_ticks) * tick_seconds;
+    const double longest =
+        brief_contact * (static_cast<double>(most_delay_ticks + 1) + late_ticks) * tick_seconds;
     const double least = std::numbers::pi * std::sqrt(least_mass / stiffness);
     return contact <= longest && least <= longest;
 }

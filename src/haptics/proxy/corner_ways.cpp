@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <utility>
 
 namespace proxima {
 
@@ -88,9 +89,9 @@ private:
 /// The best way so far.
 class BestWay {
 public:
-    BestWay(std::span<const CornerTriangle> near, const Vec3& p, const Vec3& towards, double least,
+    BestWay(std::span<const CornerTriangle> near, Vec3 p, Vec3 towards, double least,
             double gap) noexcept
-        : near_(near), p_(p), towards_(towards), cosine_(least), gap_(gap)
+        : near_(near), p_(std::move(p)), towards_(std::move(towards)), cosine_(least), gap_(gap)
     {}
 
     void offer(const Vec3& way) noexcept

@@ -23,7 +23,8 @@ double entry_time(const Vec3& from, const Vec3& motion, double radius) noexcept
     const double left = radius * radius - perpendicular.squaredNorm();
     if (!(left > 0)) return never;
     const double t = nearest - std::sqrt(left / speed_squared);
-    return t >= 0 && t <= 1 ? t : never;
+    if (!(t >= 0 && t <= 1)) return never;
+    return t;
 }
 
 /// Whether the cross product of two sides has few cancelled digits.
@@ -57,7 +58,8 @@ double side_time(const Vec3& from, const Vec3& to, double radius, const Vec3& p,
     const double t = entry_time(at - start * side, motion - pace * side, radius);
     if (t == never) return never;
     const double along = start + t * pace;
-    return along >= 0 && along <= 1 ? t : never;
+    if (!(along >= 0 && along <= 1)) return never;
+    return t;
 }
 
 } // namespace

@@ -85,8 +85,8 @@ Wrench ToolGuard::pass(const ToolPull& pull, double seconds, Patch patch) noexce
     // Others are refused below.
     const bool finite = wanted.force.allFinite() && wanted.torque.allFinite();
     if (mode_ != Guard::off && finite) wanted = guarded(pull, seconds);
-    const Wrench given = {force_.pass(wanted.force, seconds, patch),
-                          torque_.pass(wanted.torque, seconds, patch)};
+    Wrench given = {force_.pass(wanted.force, seconds, patch),
+                    torque_.pass(wanted.torque, seconds, patch)};
     const Vec6 applied = at_lever(given);
     passivity_.applied(applied);
     force_ramp_.applied(applied.head<3>());

@@ -118,9 +118,10 @@ void fill_table(std::uint64_t root, std::span<const std::uint64_t> nodes, int de
         for (std::uint32_t y = 0; y < edge; ++y) {
             for (std::uint32_t x = 0; x < edge; ++x) {
                 std::uint64_t word = root;
-                for (int level = depth - 1; level >= 0 && !proximity_word::is_leaf(word); --level)
+                for (int level = depth - 1; level >= 0 && !proximity_word::is_leaf(word); --level) {
                     word = nodes[word + ((x >> level & 1U) | (y >> level & 1U) << 1U |
                                          (z >> level & 1U) << 2U)];
+                }
                 table[(std::size_t{z} << depth | y) << depth | x] = word;
             }
         }

@@ -98,8 +98,8 @@ private:
     double current_ = 0;           ///< what is being looked at is free up to this
     Vec3 recent_ = Vec3::Zero();   ///< along which triangles were apart last
     bool is_stopped_ = false;
-    // Opening a block replaces a pair by eight at most, and each mesh has max_levels of them.
-    FixedStack<PendingBlocks, std::size_t{7 * 2} * IndexParts::max_levels + 1> pending_;
+    // Opening a block replaces a pair by eight at most, and each of two meshes has max_levels of them.
+    FixedStack<PendingBlocks, std::size_t{14} * IndexParts::max_levels + 1> pending_;
 };
 
 } // namespace proxima

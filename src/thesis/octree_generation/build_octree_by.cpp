@@ -52,7 +52,7 @@ Result<Octree> build_octree_two_pass(const TriangleMesh& mesh, const OverlapChoi
 {
     OctreeOptions pass = options;
     pass.classification = Classification::none;
-    const auto first = build_octree_by(mesh, choice, pass);
+    auto first = build_octree_by(mesh, choice, pass);
     if (!first) return first;
     std::uint32_t longest = 0;
     for (const OctreeNode& node : first->nodes()) {

@@ -90,7 +90,7 @@ void AsPrintedTest<Real>::push(const Vector& normal, const std::array<Vector, 24
 template <class Real>
 void AsPrintedTest<Real>::set_half_size(const Vec3& half_size) noexcept
 {
-    const Vector half = half_size.cast<Real>();
+    const Vector& half = half_size.cast<Real>();
     std::array<Vector, 24> sums;
     for (std::size_t j = 0; j < 3; ++j) {
         for (std::size_t i = 0; i < 8; ++i) {
@@ -113,7 +113,7 @@ void AsPrintedTest<Real>::set_half_size(const Vec3& half_size) noexcept
 template <class Real>
 Overlap AsPrintedTest<Real>::overlap(const Vec3& centre) const noexcept
 {
-    const Vector point = centre.cast<Real>();
+    const Vector& point = centre.cast<Real>();
     for (const Plane& plane : std::span(planes_).first(count_))
         if (plane.normal.dot(point) > plane.offset) return {false, false};
     return {true, false};
