@@ -137,9 +137,10 @@ void distances_of_rows(std::span<const TriangleRow<Scalar>> rows, const Vec3& p,
     alignas(64) double corners[3][3][8];
     for (std::size_t lane = 0; lane < 8; ++lane) {
         const TriangleRow<Scalar>& row = rows[std::min(lane, rows.size() - 1)];
-        for (std::size_t corner = 0; corner < 3; ++corner)
+        for (std::size_t corner = 0; corner < 3; ++corner) {
             for (std::size_t axis = 0; axis < 3; ++axis)
                 corners[corner][axis][lane] = static_cast<double>(row.coordinates[axis][corner]);
+        }
     }
     HWY_DYNAMIC_DISPATCH(triangle_distances)(corners, p, scale, squared.data());
 }

@@ -186,6 +186,7 @@ std::vector<std::uint8_t> odd_nesting(const TriangleMesh& mesh,
                         for (std::size_t id = first; id < end; ++id) count_above(id);
                     });
     std::vector<std::uint8_t> result;
+    result.reserve(odd.size());
     for (const auto& one : odd) result.push_back(one.load(std::memory_order_relaxed));
     return result;
 }

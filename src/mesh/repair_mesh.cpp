@@ -282,7 +282,7 @@ private:
         const std::vector<std::uint8_t> kept = large_components(*surface, *topology);
         if (is_cancelled(progress_)) return cancelled(work_name);
         if (by_piece) {
-            const Status oriented = orient(*surface, *topology, uses, kept);
+            Status oriented = orient(*surface, *topology, uses, kept);
             if (!oriented) return oriented;
         }
         drop_all_but(kept);
@@ -428,6 +428,7 @@ private:
     {
         const auto count = static_cast<std::uint32_t>(volume_signs.size());
         const auto closed = std::ranges::count_if(volume_signs, [](int sign) { return sign != 0; });
+        // NOLINTNEXTLINE(modernize-return-braced-init-list): in braces they would be two numbers
         if (!options_.keep_cavities || closed < 2) return std::vector<std::uint8_t>(count, 0);
         std::vector<std::uint32_t> surface_of(found.piece_of.size(), no_surface);
         for (std::size_t i = 0; i < surface_of.size(); ++i) {

@@ -68,7 +68,7 @@ Section between(const Section& a, const Section& b, double t) noexcept
 std::size_t lofted_triangles(const ShipPart& part, std::size_t level) noexcept
 {
     const std::size_t rings = (part.sections.size() - 1) * level + 1;
-    return 2 * part.segments * level * rings;
+    return std::size_t{2} * part.segments * level * rings;
 }
 
 std::size_t lofted_triangles(std::span<const ShipPart> parts, std::size_t level) noexcept

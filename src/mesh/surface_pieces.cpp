@@ -120,10 +120,11 @@ private:
                 if (next.triangle == no_piece || surface_.piece_of[next.triangle] != no_piece)
                     continue;
                 surface_.piece_of[next.triangle] = number;
-                if (orient && next.runs_same_way)
+                if (orient && next.runs_same_way) {
                     surface_.turned[next.triangle] = surface_.turned[triangle] ^ 1U;
-                else
+                } else {
                     surface_.turned[next.triangle] = surface_.turned[triangle];
+                }
                 queue_.push_back(next.triangle);
             }
             if (!steps.done(1)) return false;

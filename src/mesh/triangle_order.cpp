@@ -15,7 +15,7 @@ std::optional<std::vector<KeyedIndex>> triangle_order(const TriangleMesh& mesh, 
     constexpr unsigned key_bits = 3 * triangle_order_bits;
     StageSteps steps(progress, "sorting triangles",
                      (radix_passes(key_bits) + 1) * mesh.triangle_count());
-    constexpr double cells = static_cast<double>(1U << triangle_order_bits);
+    constexpr auto cells = static_cast<double>(1U << triangle_order_bits);
     const double edge = bounds.extent().maxCoeff();
     // Not infinite, for infinity times a mean of 0 is no number: an edge below 1e-302 is one cell.
     const double scale = std::min(cells / std::max(edge, 0x1p-1074), 0x1p1023);

@@ -90,7 +90,7 @@ Status check_cells(std::span<const CellTriangles> cells, std::size_t triangle_co
                                " overlaps an earlier one or is not in Morton order: sort them"));
         }
         end = range.end;
-        const Status status = check_list(cells[i], i, triangle_count);
+        Status status = check_list(cells[i], i, triangle_count);
         if (!status) return status;
     }
     return {};

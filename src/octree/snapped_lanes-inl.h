@@ -37,15 +37,15 @@ HWY_INLINE void load_points(const PointOf& point, Ints (&coordinates)[3])
 #else
 
 /// Four numbers from each of the positions that lanes 4 L + row stand for, one per 128-bit block L.
-template <std::size_t lanes, class PointOf>
+template <std::size_t Count, class PointOf>
 HWY_INLINE auto load_rows(const PointOf& point, std::size_t lane)
 {
-    const hn::FixedTag<std::int32_t, lanes> tag;
-    if constexpr (lanes == 4) {
+    const hn::FixedTag<std::int32_t, Count> tag;
+    if constexpr (Count == 4) {
         return hn::LoadU(tag, point(lane)->data());
     } else {
-        return hn::Combine(tag, load_rows<lanes / 2>(point, lane + lanes / 2),
-                           load_rows<lanes / 2>(point, lane));
+        return hn::Combine(tag, load_rows<Count / 2>(point, lane + Count / 2),
+                           load_rows<Count / 2>(point, lane));
     }
 }
 

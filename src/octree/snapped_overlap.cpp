@@ -122,10 +122,8 @@ struct Lanes {
 HWY_INLINE Floats largest(const Floats (&values)[3][3])
 {
     Floats largest_value = hn::Abs(values[0][0]);
-    for (int j = 0; j < 3; ++j) {
-        for (int axis = 0; axis < 3; ++axis) {
-            largest_value = hn::Max(largest_value, hn::Abs(values[j][axis]));
-        }
+    for (const auto& row : values) {
+        for (const Floats& value : row) largest_value = hn::Max(largest_value, hn::Abs(value));
     }
     return largest_value;
 }
@@ -186,16 +184,16 @@ HWY_INLINE void test_planes(const Lanes& lanes, Words& possible, Words& certain)
     }
 }
 
-/// Children within the nine edge planes, three for each axis: seen along `axis`, the child's square
+/// Children within the nine edge planes, three for each axis: seen along `Axis`, the child's square
 /// against the triangle's three edges.
-template <int axis>
+template <int Axis>
 HWY_INLINE void test_edges(const Lanes& lanes, Words& possible, Words& certain)
 {
     const FloatTag df;
     const MaskTag dm;
-    constexpr int a = (axis + 1) % 3;
-    constexpr int b = (axis + 2) % 3;
-    const auto sign = hn::And(lanes.normal[axis], hn::SignBit(df));
+    constexpr int a = (Axis + 1) % 3;
+    constexpr int b = (Axis + 2) % 3;
+    const auto sign = hn::And(lanes.normal[Axis], hn::SignBit(df));
     const auto zero = hn::Zero(df);
     Floats least[4];
     for (int j = 0; j < 3; ++j) {
@@ -266,7 +264,7 @@ void test_planes_and_edges(const SnappedTriangle* triangles, const SnappedLevel&
         load_corners(triangles, scratch.open_triangles.data() + first, corner);
         for (int axis = 0; axis < 3; ++axis) {
             const auto center = hn::LoadU(di, scratch.open_centers[axis].data() + first);
-            for (int j = 0; j < 3; ++j) corner[j][axis] = hn::Sub(corner[j][axis], center);
+            for (auto& row : corner) row[axis] = hn::Sub(row[axis], center);
             for (int j = 0; j < 3; ++j) {
                 const auto along = hn::Sub(corner[(j + 1) % 3][axis], corner[j][axis]);
                 lanes.corner[j][axis] = hn::Mul(hn::ConvertTo(df, corner[j][axis]), scale);

@@ -57,10 +57,9 @@ private:
             const std::uint32_t pairs = bins_.first[(cell + 1) * below] - bins_.first[cell * below];
             if (pairs == 0) {
                 states[cell] = TopState::empty;
-            } else if (pairs <= threshold_) {
-                states[cell] = TopState::leaf;
-            } else if (depth == bins_.depth || has_split_child(depth, cell) ||
-                       merge(depth, cell).size() > threshold_) {
+            } else if (pairs > threshold_ &&
+                       (depth == bins_.depth || has_split_child(depth, cell) ||
+                        merge(depth, cell).size() > threshold_)) {
                 states[cell] = TopState::split;
             } else {
                 states[cell] = TopState::leaf;

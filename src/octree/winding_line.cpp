@@ -102,7 +102,7 @@ std::int64_t count_crossings(const Octree& octree, const TriangleMesh& mesh,
     std::int64_t sum = 0;
     for (std::uint32_t plane = line.first_plane; plane < 1U << static_cast<unsigned>(deepest);) {
         Cell cell = octree.root();
-        unsigned down = static_cast<unsigned>(deepest);
+        auto down = static_cast<unsigned>(deepest);
         while (!octree.is_leaf(cell)) {
             --down;
             const std::uint32_t octant = (line.column[0] >> down & 1U) |

@@ -120,14 +120,14 @@ int full_disk() noexcept
 } // namespace
 
 /// The other forms call this one, but for those of a given alignment.
-void* operator new(std::size_t size)
+void* operator new(std::size_t size) // NOLINT(misc-new-delete-overloads): free does for all
 {
     void* const memory = fails(Call::create) ? nullptr : std::malloc(size);
     if (memory == nullptr) throw std::bad_alloc();
     return memory;
 }
 
-// NOLINTBEGIN(*-reserved-identifier): the names of the system's library
+// NOLINTBEGIN(*-reserved-identifier,readability-identifier-naming): the names of the system's library
 extern "C" {
 
 void* __libc_malloc(std::size_t);
@@ -240,4 +240,4 @@ int __libc_start_main(int (*main)(int, char**, char**), int count, char** argume
 }
 
 } // extern "C"
-// NOLINTEND(*-reserved-identifier)
+// NOLINTEND(*-reserved-identifier,readability-identifier-naming)

@@ -72,19 +72,19 @@ Result<TriangleMesh> read_binary(const MeshSource& source, const ReadOptions& op
         return tl::unexpected(mesh.error());
     }
     constexpr std::uint32_t block = MeshAssembler::weld_block / 3;
-    std::array<Vec3, 3 * block> corners;
-    std::array<std::uint32_t, 3 * block> ids{};
+    std::array<Vec3, std::size_t{3} * block> corners;
+    std::array<std::uint32_t, std::size_t{3} * block> ids{};
     const char* position = text.data() + first_triangle;
     for (std::uint32_t first = 0; first < count; first += block) {
         if (!progress.may_continue(position)) return cancelled("reading", source.name);
         const std::uint32_t triangles = std::min(block, count - first);
         for (std::uint32_t triangle = 0; triangle < triangles; ++triangle) {
             for (std::size_t corner = 0; corner < 3; ++corner) {
-                corners[3 * triangle + corner] = load_corner(position, corner);
+                corners[std::size_t{3} * triangle + corner] = load_corner(position, corner);
             }
             position += triangle_bytes;
         }
-        const std::span found = std::span(ids).first(3 * triangles);
+        const std::span found = std::span(ids).first(std::size_t{3} * triangles);
         bool added = true;
         if (welds) {
             added = mesh.add_welded(std::span(corners).first(found.size()), found);

@@ -26,12 +26,15 @@ bool is_one_leaf(const ProximityLists& lists, std::uint64_t word, int depth, con
 {
     const int below = lists.table_depth() - depth;
     const std::uint32_t edge = 1U << below;
-    for (std::uint32_t z = 0; z < edge; ++z)
-        for (std::uint32_t y = 0; y < edge; ++y)
-            for (std::uint32_t x = 0; x < edge; ++x)
+    for (std::uint32_t z = 0; z < edge; ++z) {
+        for (std::uint32_t y = 0; y < edge; ++y) {
+            for (std::uint32_t x = 0; x < edge; ++x) {
                 if (table_word(lists, {(at[0] << below) + x, (at[1] << below) + y,
                                        (at[2] << below) + z}) != word)
                     return false;
+            }
+        }
+    }
     return true;
 }
 

@@ -143,9 +143,10 @@ private:
     {
         const RootFrame& frame = old_.parts().lists()->frame();
         Vec3 center;
-        for (int axis = 0; axis < 3; ++axis)
+        for (int axis = 0; axis < 3; ++axis) {
             center[axis] =
                 static_cast<double>(cell.cube.center[axis]) / frame.scale + frame.center[axis];
+        }
         const double known = std::sqrt(closest_feature(old_, center).value().squared_distance);
         const double radius = static_cast<double>(cell.cube.half) / frame.scale * std::sqrt(3.0);
         const double limit = (known + 2 * radius) * (1 + 1e-9) + 1e-9 * frame.half;
@@ -193,10 +194,11 @@ bool drop_reached_lists(const LeafStaler& staler, ReachedCell root, const RefitO
     for (int level = 0; level < 3; ++level) {
         std::vector<ReachedCell> next;
         for (ReachedCell& cell : cells) {
-            if (proximity_word::is_leaf(cell.word))
+            if (proximity_word::is_leaf(cell.word)) {
                 next.push_back(std::move(cell));
-            else
+            } else {
                 staler.split(cell, next);
+            }
         }
         cells = std::move(next);
     }

@@ -16,9 +16,10 @@ constexpr double too_coarse = 0x1p-6;
 
 void set_frame(const Mat3& rotation, const Vec3& offset, float slack, PairFrame& frame) noexcept
 {
-    for (int j = 0; j < 3; ++j)
+    for (int j = 0; j < 3; ++j) {
         frame.exact_columns[static_cast<std::size_t>(j)] = {rotation(0, j), rotation(1, j),
                                                             rotation(2, j), 0};
+    }
     frame.exact_offset = {offset.x(), offset.y(), offset.z(), 0};
     frame.slack = slack;
     const auto number = [&](int row, int column) {

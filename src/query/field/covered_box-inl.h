@@ -65,6 +65,7 @@ PROXIMA_STEP Eight3 directions_of(const EightTriangles& triangles, const Eight3&
         const Eight3 from{-multiply_add(t, side.x, a[i].x), -multiply_add(t, side.y, a[i].y),
                           -multiply_add(t, side.z, a[i].z)};
         const Eight squared = dot(from, from);
+        // NOLINTNEXTLINE(misc-redundant-expression): all lanes
         const EightMask nearer = i == 0 ? squared <= squared : squared < least;
         towards = choose(nearer, from, towards);
         least = choose(nearer, squared, least);

@@ -111,9 +111,10 @@ private:
     /// band: then that is its answer.
     bool is_answered(GridPart& part)
     {
-        if (is_clear(part) && !part.inside)
+        if (is_clear(part) && !part.inside) {
             part.inside =
                 search_.question.side_of({part.middle, part.radius, part.least - rounding_});
+        }
         if (!(part.least - part.radius - rounding_ > search_.question.band * (1 + 0x1p-40)))
             return false;
         take(part, {});

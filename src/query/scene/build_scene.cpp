@@ -46,9 +46,10 @@ RigidTransform relative_pose(const RigidTransform& a, const RigidTransform& b) n
 {
     const auto turned_back = [&](const Vec3& v) {
         Vec3 turned;
-        for (int i = 0; i < 3; ++i)
+        for (int i = 0; i < 3; ++i) {
             turned[i] =
                 (a.rotation(0, i) * v[0] + a.rotation(1, i) * v[1]) + a.rotation(2, i) * v[2];
+        }
         return turned;
     };
     RigidTransform pose;

@@ -70,10 +70,11 @@ public:
             const std::uint32_t at = pending.pop();
             const IndexBlock& block = tree.blocks()[at & ~index_leaf_bit];
             if ((at & index_leaf_bit) == 0) {
-                for (std::size_t slot = 0; slot < 8; ++slot)
+                for (std::size_t slot = 0; slot < 8; ++slot) {
                     if (block.node.has_child(slot) &&
                         side_of(box_of(tree, block.node, slot)) != BoxSide::outside)
                         pending.push(block.node.children[slot]);
+                }
                 continue;
             }
             for (std::uint32_t i = 0; i < block.leaf.count; ++i) {

@@ -119,6 +119,7 @@ Result<std::vector<Found>> find_pairs(const SceneParts& scene, const BoxReach& r
     const Execution& execution = options.execution;
     begin_stage(execution.progress, "finding pairs", scene.tree_rows());
     const std::uint64_t listed = scene.tree.parts().blocks().size();
+    // NOLINTNEXTLINE(bugprone-sizeof-expression): pointers are listed
     const std::uint64_t taken = listed * sizeof(const IndexLeaf*);
     const std::uint64_t tasks = chunk_count(listed, leaves_per_task);
     if (Status status =

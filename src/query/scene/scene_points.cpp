@@ -77,9 +77,10 @@ private:
                 near[position] = near[position - 1];
             near[position] = {squared, row};
         }
-        for (std::size_t i = 0; i < count; ++i)
+        for (std::size_t i = 0; i < count; ++i) {
             if (near[i].squared <= limit() * (1 + 0x1p-40) + std::numeric_limits<double>::min())
                 ask(near[i].row);
+        }
     }
 
     void ask(std::uint32_t at) noexcept

@@ -28,8 +28,8 @@ constexpr std::uint32_t block_of(std::uint32_t reference) noexcept
 /// Draws the boxes of a scene's blocks.
 class TreeBoxes {
 public:
-    TreeBoxes(SceneParts& scene, const IndexFrame& frame) noexcept
-        : scene_(scene), frame_(frame),
+    TreeBoxes(SceneParts& scene, IndexFrame frame) noexcept
+        : scene_(scene), frame_(std::move(frame)),
           // One of the tree's units is at most the extent.
           margin_(Vec3::Constant(scene_tree_margin * scene.all.extent().maxCoeff()))
     {}
@@ -55,7 +55,7 @@ public:
     }
 
     /// Sets a node's planes by its children's boxes. The box about them all.
-    FloatBox write_node(std::uint32_t block) const noexcept
+    [[nodiscard]] FloatBox write_node(std::uint32_t block) const noexcept
     {
         constexpr float endless = std::numeric_limits<float>::infinity();
         IndexNode& node = scene_.blocks[block].node;
