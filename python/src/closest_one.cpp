@@ -105,6 +105,8 @@ const MeshIndex* index_of(PyObject* self)
 {
     const auto* const instance =
         static_cast<const py::detail::instance*>(static_cast<const void*>(self));
+    if (!instance->simple_layout) // of a class with other bound bases, too
+        return py::handle(self).cast<const MeshIndex*>();
     return static_cast<const MeshIndex*>(instance->simple_value_holder[0]);
 }
 

@@ -5,6 +5,7 @@
 #include <pybind11/pybind11.h>
 
 #include <cstddef>
+#include <exception>
 
 namespace {
 
@@ -25,6 +26,30 @@ void refuse_objects_without_value(const py::module_& module)
     }
 }
 
+newfunc new_instance = nullptr;
+
+/// The common base of all bound classes is none itself: pybind11 throws where it is called, which the interpreter, for the
+/// first two protocols of pickle, does from C.
+PyObject* new_instance_or_error(PyTypeObject* type, PyObject* arguments, PyObject* keywords)
+{
+    try {
+        return new_instance(type, arguments, keywords);
+    } catch (const std::exception& error) {
+        PyErr_SetString(PyExc_TypeError, error.what());
+        return nullptr;
+    }
+}
+
+void refuse_objects_of_the_base()
+{
+    auto* const base =
+        static_cast<PyTypeObject*>(static_cast<void*>(py::detail::get_internals().instance_base));
+    if (base->tp_new == &new_instance_or_error) return;
+    new_instance = base->tp_new;
+    base->tp_new = &new_instance_or_error;
+    PyType_Modified(base);
+}
+
 } // namespace
 
 PYBIND11_MODULE(_core, module)
@@ -43,4 +68,5 @@ PYBIND11_MODULE(_core, module)
     bind_touch_scene(module);
     bind_touch_renderer(module);
     refuse_objects_without_value(module);
+    refuse_objects_of_the_base();
 }

@@ -121,7 +121,8 @@ Solid(model, *, threads=0, progress=None)
     model  a Mesh, or an Index, which the Solid keeps
 
 Immutable; any number of threads may use it. What touches, overlaps. 5 to 15 us of work per triangle. Raises InvalidInput for
-a mesh that is open, not consistently oriented, flat, or has a part that is turned inside out, as cavities are.)")
+a mesh that is open, not consistently oriented or flat, and for a part that is turned inside out: a cavity may be, where it
+lies within another part and touches none.)")
         .def(py::init(&solid_of_model), py::arg("model"), py::kw_only(), py::arg("threads") = 0,
              py::arg("progress") = py::none())
         .def(

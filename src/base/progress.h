@@ -62,6 +62,9 @@ public:
         return waiting_ < block_ || report();
     }
 
+    /// Reports what is left of the last block.
+    void finish() noexcept { (void)report(); }
+
 private:
     [[nodiscard]] bool report() noexcept
     {

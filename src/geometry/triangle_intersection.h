@@ -38,8 +38,8 @@ struct MeetingParts {
     TrianglePart of_a{};
     TrianglePart of_b{};
     friend constexpr bool operator==(const MeetingParts&, const MeetingParts&) = default;
-    friend constexpr std::strong_ordering operator<=>(const MeetingParts&,
-                                                      const MeetingParts&) = default;
+    friend constexpr std::strong_ordering operator<=>(       // no pointer is compared:
+        const MeetingParts&, const MeetingParts&) = default; // NOLINT(modernize-use-nullptr)
 };
 
 /// The ends of an intersection: none, one (a point), two (a segment), or three to six (a polygon,

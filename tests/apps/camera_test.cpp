@@ -12,9 +12,10 @@ std::vector<Vec3> random_points(std::mt19937_64& random)
 {
     std::uniform_real_distribution<double> coordinate(-3.0, 3.0);
     std::vector<Vec3> points;
-    for (int i = 0; i < 20; ++i)
+    for (int i = 0; i < 20; ++i) {
         points.push_back(
             Vec3{5.0 + coordinate(random), coordinate(random), coordinate(random) - 2.0});
+    }
     return points;
 }
 

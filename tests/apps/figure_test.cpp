@@ -20,9 +20,10 @@ Image drawn(const std::string& text, const TextStyle& style)
 Box ink_of(const Image& image)
 {
     Box box;
-    for (int y = 0; y < image.height; ++y)
+    for (int y = 0; y < image.height; ++y) {
         for (int x = 0; x < image.width; ++x)
             if (image.pixel(x, y)[0] < 128) box.extend(Vec3(x, y, 0));
+    }
     return box;
 }
 

@@ -93,9 +93,10 @@ TEST(ListHistogram, SaysWhatItShows)
     expect_words(of_cells, {"features in the list of a cell", "share of the outer cells, percent",
                             "depth 1: no outer cell", "depth 2: mean 4.3, 3 cells"});
     double highest = of_cells.height;
-    for (const FigureLine& line : of_cells.lines)
+    for (const FigureLine& line : of_cells.lines) {
         if (line.color == plot_color(1) && line.width == 3.0)
             highest = std::min({highest, line.from.y(), line.to.y()});
+    }
     const Plot same(logarithmic_scale(1, 10), linear_scale(75),
                     {.series = {"depth 1: no outer cell", "depth 2: mean 4.3, 3 cells"}});
     EXPECT_NEAR(highest, same.at(1, 100 * 2.0 / 3).y(), 1e-6);

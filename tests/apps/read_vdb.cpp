@@ -20,13 +20,15 @@ try {
                 static_cast<double>(grid->background()), origin.x(), origin.y(), origin.z(),
                 next.x() - origin.x(), next.y() - origin.y(), next.z() - origin.z());
     auto voxels = grid->getConstAccessor();
-    for (int k = 0; k < std::atoi(argv[4]); ++k)
-        for (int j = 0; j < std::atoi(argv[3]); ++j)
+    for (int k = 0; k < std::atoi(argv[4]); ++k) {
+        for (int j = 0; j < std::atoi(argv[3]); ++j) {
             for (int i = 0; i < std::atoi(argv[2]); ++i) {
                 float value = 0;
                 const bool active = voxels.probeValue({i, j, k}, value);
                 std::printf("%.9g %d\n", static_cast<double>(value), active ? 1 : 0);
             }
+        }
+    }
     std::printf("%llu\n", static_cast<unsigned long long>(grid->activeVoxelCount()));
     return 0;
 } catch (const std::exception& error) {

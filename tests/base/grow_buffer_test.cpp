@@ -38,7 +38,7 @@ TEST(GrowBuffer, MovedFromIsEmpty)
     GrowBuffer<int> second = std::move(first);
     EXPECT_EQ(second.size(), 101U);
     EXPECT_EQ(second[99], 99);
-    EXPECT_TRUE(first.empty());
+    EXPECT_TRUE(first.empty()); // NOLINT(bugprone-use-after-move): that is what is tested
     EXPECT_EQ(first.capacity(), 0U);
     first.push_back(3);
     second = std::move(first);

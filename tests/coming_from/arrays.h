@@ -19,9 +19,10 @@ struct Arrays {
 {
     const TriangleMesh mesh = *sample_mesh(sample);
     Arrays arrays;
-    for (const Vec3& position : mesh.positions())
+    for (const Vec3& position : mesh.positions()) {
         for (const double coordinate : {position.x(), position.y(), position.z()})
             arrays.points.push_back(static_cast<float>(coordinate));
+    }
     for (const TriangleCorners& triangle : mesh.triangles())
         arrays.corners.insert(arrays.corners.end(), triangle.begin(), triangle.end());
     return arrays;

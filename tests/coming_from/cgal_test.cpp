@@ -47,9 +47,10 @@ TEST(ComingFromCgal, TheSamePointsAreAsFarAndOnTheSameSide)
     const TriangleMesh mesh = *sample_mesh("torus:20x10");
     Surface surface;
     for (const Vec3& p : mesh.positions()) surface.add_vertex({p.x(), p.y(), p.z()});
-    for (const TriangleCorners& t : mesh.triangles())
+    for (const TriangleCorners& t : mesh.triangles()) {
         surface.add_face(Surface::Vertex_index(t[0]), Surface::Vertex_index(t[1]),
                          Surface::Vertex_index(t[2]));
+    }
     const Box box = bounding_box(mesh);
     int inside = 0;
     for (int i = 0; i < 27; ++i) {

@@ -144,7 +144,7 @@ TEST(TriangleBox, FilterIsCertainOfTouchingPairsParallelToAxes)
 TEST(TriangleBox, IsExactWithinUlpsOfAnEdge)
 {
     const Box box = {Vec3(24, 18, -1), Vec3(30, 24, 1)};
-    for (int i = 0; i < 64; ++i)
+    for (int i = 0; i < 64; ++i) {
         for (int j = 0; j < 64; ++j) {
             const Vec3 start(0.5 + i * 0x1p-53, 0.5 + j * 0x1p-53, 0);
             const Triangle triangle = {{start, Vec3(48, 48, 0), Vec3(0.5, 40, 0)}};
@@ -153,6 +153,7 @@ TEST(TriangleBox, IsExactWithinUlpsOfAnEdge)
             const TriangleBoxVerdict verdict = triangle_box_filter(triangle, box);
             ASSERT_EQ(verdict.overlaps, expected || !verdict.certain) << i << ' ' << j;
         }
+    }
 }
 
 TEST(TriangleBox, FilterDecidesNearlyAllRandomPairs)

@@ -109,9 +109,10 @@ public:
             break;
         case 3: { // in one plane, along an axis
             const int axis = below(3);
-            for (int i = 0; i < 3; ++i)
+            for (int i = 0; i < 3; ++i) {
                 a.vertices[static_cast<std::size_t>(i)][axis] =
                     b.vertices[static_cast<std::size_t>(i)][axis] = far;
+            }
             break;
         }
         case 4: // a segment, if exactly so
@@ -161,9 +162,10 @@ TEST(TriangleIntersectionAgainstCgal, HasTheSameEnds)
         Points expected = cgal_ends(a, b);
         Points ends;
         double size = 0;
-        for (const Triangle& t : {a, b})
+        for (const Triangle& t : {a, b}) {
             for (const Vec3& corner : t.vertices)
                 size = std::max(size, corner.cwiseAbs().maxCoeff());
+        }
         for (const MeetingParts& parts : found.ends()) {
             ends.push_back(exact_point(a, b, parts));
             const Vec3 place = meeting_point(a, b, parts);

@@ -47,9 +47,10 @@ public:
         Pair pair = {triangle(), triangle()};
         switch (below(5)) {
         case 0: // beside it, turned by next to nothing
-            for (int i = 0; i < 3; ++i)
+            for (int i = 0; i < 3; ++i) {
                 pair.b.vertices[static_cast<std::size_t>(i)] =
                     pair.a[(i + below(2)) % 3] + nudge() + nudge();
+            }
             break;
         case 1: // a corner or a side in common, or nearly
             pair.b.vertices[0] = pair.a[below(3)] + nudge();

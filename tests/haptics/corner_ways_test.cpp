@@ -142,9 +142,10 @@ TEST(CornerWays, LeadOutOfNoRoomsCorner)
     const TriangleMesh three = mesh_of(positions, {{0, 1, 2}, {0, 2, 3}, {0, 3, 1}});
     const TriangleMesh four = mesh_of(positions, {{0, 1, 2}, {0, 2, 4}, {0, 4, 3}, {0, 3, 1}});
     const double gap = 1e-9;
-    for (const TriangleMesh& walls : {three, four})
+    for (const TriangleMesh& walls : {three, four}) {
         EXPECT_FALSE(way_from_corner(all_of(walls), Vec3::Constant(gap), -Vec3::Ones().normalized(),
                                      0.01, gap));
+    }
 }
 
 // The corner is not at the origin here, so that a face's side is a matter of where the face lies.

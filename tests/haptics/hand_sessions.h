@@ -141,12 +141,14 @@ inline std::vector<HandSession> hand_sessions(const DeviceLimits& device, double
                 const double late = hand.tick_seconds / 2;
                 if ((stiffness + hand_stiffness) * late > 2.0 / 3 * (hand.device_damping + 1))
                     continue;
-                for (const double rate : {2.0, 4.0, 7.0, 10.0})
+                for (const double rate : {2.0, 4.0, 7.0, 10.0}) {
                     add("taps " + std::to_string(static_cast<int>(rate)) + " Hz", encoder_step,
                         hand, tapping(rate, 0.006, 0.5, 0.55, seed));
-                for (const double rate : {4.0, 8.0, 12.0})
+                }
+                for (const double rate : {4.0, 8.0, 12.0}) {
                     add("trembles " + std::to_string(static_cast<int>(rate)) + " Hz", encoder_step,
                         hand, trembling(rate, 1e-3, 0.005));
+                }
                 add("writes", encoder_step, hand, writing(2));
                 add("rests", encoder_step, hand, resting(0.01));
             }

@@ -146,9 +146,10 @@ TEST(HdDevice, ReportsWhatIsMissing)
     EXPECT_TRUE(open_hd_device({.device = "Left", .library = STUB_HD}));
     // Without a path, all the names and where they were looked for.
     if (const auto searched = open_hd_device({}); !searched) {
-        for (const char* const part : {"libHD.so.3.4", "/usr/lib/libHD.so", "LD_LIBRARY_PATH"})
+        for (const char* const part : {"libHD.so.3.4", "/usr/lib/libHD.so", "LD_LIBRARY_PATH"}) {
             EXPECT_NE(searched.error().message.find(part), std::string::npos)
                 << searched.error().message;
+        }
     }
 }
 

@@ -215,9 +215,10 @@ TEST(SlideSphere, PassesThroughNoMesh)
     for (const TouchMesh& named : testing::touch_meshes()) {
         const int ticks = named.mesh.triangle_count() > 1000 ? 100 : 300;
         int touching = 0;
-        for (const double radius : {0.0, 0.02})
+        for (const double radius : {0.0, 0.02}) {
             for (const double friction : {0.0, 0.4})
                 check_walk({named, radius, friction}, ++seed, ticks, touching);
+        }
         EXPECT_GT(touching, 4 * ticks / 20) << named.name << ", seeds to " << seed;
     }
 }

@@ -225,11 +225,12 @@ TEST(MeshIndex, IsTheSameForAnyNumberOfThreads)
             return a.size() == b.size() && std::memcmp(a.data(), b.data(), a.size_bytes()) == 0;
         };
         ASSERT_EQ(other.parts().blocks().size(), truth.parts().blocks().size());
-        for (std::size_t i = 0; i < truth.parts().blocks().size();
-             ++i) // what nodes and leaves both use
+        for (std::size_t i = 0; i < truth.parts().blocks().size(); ++i) {
+            // What nodes and leaves both use.
             ASSERT_EQ(std::memcmp(&other.parts().blocks()[i], &truth.parts().blocks()[i],
                                   sizeof(IndexLeaf)),
                       0);
+        }
         EXPECT_TRUE(is_same(other.parts().double_rows(), truth.parts().double_rows()));
         EXPECT_TRUE(is_same(other.ids(), truth.ids()));
         EXPECT_TRUE(is_same(other.parts().vertex_incidences(), truth.parts().vertex_incidences()));
@@ -248,7 +249,7 @@ TEST(MeshIndex, IsUsableWhenEmptyOrMovedFrom)
     EXPECT_EQ(with_lists(empty).error().code, ErrorCode::invalid_mesh);
     EXPECT_FALSE(empty.has_slabs());
     MeshIndex index = build_mesh_index(cube_mesh(Vec3::Zero(), 1.0)).value();
-    const MeshIndex taken = std::move(index);
+    const MeshIndex taken = index;
     EXPECT_EQ(&index.parts(), &taken.parts()); // NOLINT(bugprone-use-after-move): that is the test
     EXPECT_EQ(taken.triangle_count(), 12U);
     index = empty;

@@ -249,9 +249,10 @@ void check_self_intersections(const Subject& on, Comparison& to)
     if (on.is_large()) return to.leave_out();
     const auto found = find_self_intersections(on.index);
     if (!to.has(found)) return;
-    for (const TrianglePair& pair : found->pairs)
+    for (const TrianglePair& pair : found->pairs) {
         to.expect(triangles_meet(on.mesh.triangle(pair.a), on.mesh.triangle(pair.b)),
                   concat("triangles ", to_index(pair.a), " and ", to_index(pair.b)));
+    }
 }
 
 void check_view_volumes(const Subject& on, Comparison& to)
@@ -260,9 +261,10 @@ void check_view_volumes(const Subject& on, Comparison& to)
     for (int i = 0; i < on.effort.queries / 2; ++i) {
         const ViewVolume volume = generate();
         std::vector<TriangleId> truth;
-        for (std::uint32_t k = 0; k < on.mesh.triangle_count(); ++k)
+        for (std::uint32_t k = 0; k < on.mesh.triangle_count(); ++k) {
             if (meets_volume(volume, on.mesh.triangle(TriangleId{k})))
                 truth.push_back(TriangleId{k});
+        }
         to.expect(visible_triangles(on.index, volume, CullMode::exact) == truth,
                   concat("volume ", i));
     }

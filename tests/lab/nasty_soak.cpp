@@ -53,9 +53,10 @@ public:
             rows_[i].wrong += outcome.wrong.empty() ? 0 : 1;
             rows_[i].seconds += outcome.seconds;
             rows_[i].longest = std::max(rows_[i].longest, outcome.seconds);
-            if (!outcome.wrong.empty())
+            if (!outcome.wrong.empty()) {
                 std::printf("wrong: %s: %s: %s\n", nasty.name.c_str(), names_[i].c_str(),
                             outcome.wrong.c_str());
+            }
         }
         const std::chrono::duration<double> passed = std::chrono::steady_clock::now() - begin;
         std::fprintf(stderr, "%7.1f s  %zu triangles: %s\n", passed.count(),
@@ -112,7 +113,7 @@ int run(int argc, char** argv)
 } // namespace
 } // namespace proxima::soak
 
-int main(int argc, char** argv)
+int main(int argc, char** argv) // NOLINT(bugprone-exception-escape): one ends it, and says so
 {
     return proxima::soak::run(argc, argv);
 }

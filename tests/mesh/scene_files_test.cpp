@@ -154,10 +154,10 @@ TEST_F(SceneFiles, FitTheBudgetTogether)
     // Each of two files does; they end in holes.
     fs::resize_file(path("scenes/buffer.bin"), 40'000'000);
     fs::copy_file(path("scenes/buffer.bin"), path("scenes/second.bin"));
-    const std::string positions = "\"buffer\":0,\"byteOffset\":24";
+    const std::string positions = R"("buffer":0,"byteOffset":24)";
     const std::size_t at = scene_.find(positions);
     ASSERT_NE(at, std::string::npos);
-    scene_.replace(at, 10, "\"buffer\":1");
+    scene_.replace(at, 10, R"("buffer":1)");
     const auto read_within = [&](std::uint64_t bytes) {
         return read("buffer.bin\"},{\"byteLength\":72,\"uri\":\"second.bin",
                     {.execution = {.budget = {.bytes = bytes}}});

@@ -145,10 +145,11 @@ TEST(ConvexHull, ContainsRandomTinyAndHugePoints)
             ASSERT_EQ(hull.dimension(), 3);
             for (std::uint32_t f = 0; f < hull.facet_count(); ++f) {
                 const auto loop = hull.facet_loop(f);
-                for (const Vec3& p : points)
+                for (const Vec3& p : points) {
                     EXPECT_LE(orient3d(hull.vertex(loop[0]), hull.vertex(loop[1]),
                                        hull.vertex(loop[2]), p),
                               0);
+                }
                 EXPECT_NEAR(hull.half_space(f).normal.norm(), 1, 1e-12);
             }
             EXPECT_EQ(hull.vertex_count() + hull.facet_count(), hull.edges().size() + 2);

@@ -45,9 +45,10 @@ double worst_outside(const ConvexPolyhedron& polyhedron, const Planes& planes)
 double farthest_ray(const ConvexPolyhedron& polyhedron, const Planes& planes)
 {
     double worst = -1;
-    for (const HalfSpace& plane : planes)
+    for (const HalfSpace& plane : planes) {
         for (const Vec3& r : polyhedron.rays())
             worst = std::max(worst, plane.normal.normalized().dot(r.normalized()));
+    }
     return worst;
 }
 
@@ -86,10 +87,12 @@ TEST(HalfSpaceIntersection, ThinSlabsHaveTheirEightCorners)
             EXPECT_EQ(found->points().size(), 8U);
             EXPECT_TRUE(found->is_bounded());
             EXPECT_LT(worst_outside(*found, planes), 1e-15);
-            for (const double x : {0.3, 0.3 + width})
-                for (const double y : {-1, 1})
+            for (const double x : {0.3, 0.3 + width}) {
+                for (const double y : {-1, 1}) {
                     for (const double z : {-1, 1})
                         EXPECT_LT(nearest(frame * Vec3(x, y, z), found->points()), 4e-15);
+                }
+            }
         }
     }
 }

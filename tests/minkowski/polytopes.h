@@ -39,9 +39,10 @@ inline Points round_points(std::mt19937& random, int count, double radius)
 inline Points cube_points(double half)
 {
     Points points;
-    for (const double x : {-half, half})
+    for (const double x : {-half, half}) {
         for (const double y : {-half, half})
             for (const double z : {-half, half}) points.emplace_back(x, y, z);
+    }
     return points;
 }
 

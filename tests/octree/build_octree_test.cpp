@@ -248,9 +248,10 @@ TEST(BuildOctree, TightRootIsFoundAtOnceFarFromTheOrigin)
                 std::mt19937_64 random(static_cast<std::uint64_t>(seed));
                 std::uniform_real_distribution<double> unit(-9, 9);
                 Box box;
-                for (int i = 0; i < 2; ++i)
+                for (int i = 0; i < 2; ++i) {
                     box.extend(
                         Vec3(sign * far + unit(random), unit(random), sign * far + unit(random)));
+                }
                 for (const RootShape shape : {RootShape::cube, RootShape::box}) {
                     const OctreeFrame frame = tight_root(box, shape);
                     const Vec3 end = frame.lower + frame.edge;

@@ -196,9 +196,10 @@ inline std::vector<NamedShape> nasty_shapes(std::uint32_t round_one_vertex)
         const auto at = [&](std::uint32_t i, std::uint32_t j) {
             return i < rows ? i * columns + j : columns - 1 - j; // comes back upside down
         };
-        for (std::uint32_t i = 0; i < rows; ++i)
+        for (std::uint32_t i = 0; i < rows; ++i) {
             for (std::uint32_t j = 0; j + 1 < columns; ++j)
                 strip.quad(at(i, j), at(i + 1, j), at(i + 1, j + 1), at(i, j + 1));
+        }
     }
     {
         constexpr std::uint32_t rows = 20;
@@ -272,10 +273,12 @@ inline std::vector<NastyMesh> nasty_corpus(std::uint32_t round_one_vertex)
                             {", 1e9 away", 1, Vec3(1e9, -1e9, 5e8)},
                             {", times 1e-30, 1e-21 away", 1e-30, Vec3(1e-21, 0, -1e-21)}};
     std::vector<NastyMesh> meshes;
-    for (const NamedShape& shape : nasty_shapes(round_one_vertex))
-        for (const Place& place : places)
+    for (const NamedShape& shape : nasty_shapes(round_one_vertex)) {
+        for (const Place& place : places) {
             meshes.push_back({shape.name + place.name, shape.shape.mesh(place.scale, place.offset),
                               shape.is_closed});
+        }
+    }
     return meshes;
 }
 

@@ -151,9 +151,10 @@ struct QuadMotion {
 {
     const std::array<QuadPoint, 3> axes = {QuadPoint(1, 0, 0), {0, 1, 0}, {0, 0, 1}};
     std::array<QuadPoint, 3> edges;
-    for (int i = 0; i < 3; ++i)
+    for (int i = 0; i < 3; ++i) {
         edges[static_cast<std::size_t>(i)] =
             QuadPoint(triangle[(i + 1) % 3]) - QuadPoint(triangle[i]);
+    }
     std::vector<QuadPoint> candidates(axes.begin(), axes.end());
     candidates.push_back(cross(edges[0], edges[1]));
     for (const QuadPoint& axis : axes)

@@ -315,11 +315,26 @@ def test_distance_fields(mesh):
         proxima.Index(mesh).distance_field(4)
 
 
+def test_an_index_of_several_bound_classes(mesh):
+    class Both(proxima.Index, proxima.Mesh):
+        def __init__(self):
+            proxima.Index.__init__(self, mesh)
+            proxima.Mesh.__init__(self, np.eye(3), [[0, 1, 2]])
+
+    both = Both()
+    assert both.closest_one(3, 0, 0).distance == both.closest([[3, 0, 0]]).distance[0]
+
+
+def test_the_common_base_of_all_classes_is_none():
+    with pytest.raises(TypeError):
+        proxima.Index.__base__()
+
+
 def test_files_and_pickles(tmp_path, mesh, points):
     index = proxima.Index(mesh, lists=True, distances=True, signs=True)
     index.save(tmp_path / "a.pxi")
     for other in (proxima.Index.load(tmp_path / "a.pxi"), proxima.Index.load(str(tmp_path / "a.pxi"), map=True),
-                  pickle.loads(pickle.dumps(index))):
+                  *(pickle.loads(pickle.dumps(index, protocol)) for protocol in range(pickle.HIGHEST_PROTOCOL + 1))):
         assert same(other.closest(points), index.closest(points)) and repr(other) == repr(index)
         assert same([other.signed_distance(points)], [index.signed_distance(points)])
     assert np.array_equal(index.mesh().vertices, mesh.vertices)

@@ -62,6 +62,8 @@ def test_pickles(mesh):
     other = pickle.loads(pickle.dumps(octree))
     assert all(np.array_equal(a, b) for a, b in zip(other.leaves(), octree.leaves()))
     assert other.statistics == octree.statistics and pickle.dumps(other) == pickle.dumps(octree)
+    for protocol in range(pickle.HIGHEST_PROTOCOL + 1):
+        assert pickle.loads(pickle.dumps(octree, protocol)).statistics == octree.statistics
     call, arguments, state = octree.__reduce_ex__(2)[:3]
     damaged = call(*arguments)
     with pytest.raises(proxima.InvalidInput, match="pickled octree"):

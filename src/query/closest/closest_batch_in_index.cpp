@@ -33,6 +33,7 @@ struct ClosestChunk {
     std::span<const Vec3> points;
     std::span<const CurvePoint> order; ///< empty: as they are
     ClosestOutputs outputs;            ///< of these points
+    Progress* progress;                ///< of a stage that somebody has entered: a step for each
 
     [[nodiscard]] std::size_t position(std::size_t i) const noexcept
     {
@@ -45,6 +46,9 @@ struct ClosestChunk {
         return !outputs.answers.empty() || !outputs.points.empty() || !outputs.barycentrics.empty();
     }
 };
+
+/// Points that are searched for between two looks at whether to go on.
+constexpr std::size_t points_per_report = 1024;
 
 inline void write_description(const ClosestOutputs& to, std::size_t position,
                               const ClosestFeature& answer)
@@ -98,7 +102,8 @@ template <class Scalar>
 class ChunkSearch {
 public:
     ChunkSearch(const ClosestChunk& chunk, std::span<const TriangleRow<Scalar>> rows)
-        : chunk_(chunk), rows_(rows), blocks_(chunk.index.blocks().data())
+        : chunk_(chunk), rows_(rows), blocks_(chunk.index.blocks().data()),
+          steps_(chunk.progress, points_per_report)
     {}
 
     void run()
@@ -124,6 +129,7 @@ public:
             }
         }
         write_last();
+        steps_.finish();
     }
 
 private:
@@ -138,10 +144,14 @@ private:
         Flight() noexcept {} // NOLINT(modernize-use-equals-default): clears nothing
     };
 
-    /// The next point that needs a walk; false where there is none.
+    /// The next point that needs a walk; false where there is none, or the search shall stop.
     bool begin_next(Flight& flight)
     {
         while (next_ < chunk_.points.size()) {
+            if (!steps_.done(1)) {
+                next_ = chunk_.points.size();
+                break;
+            }
             flight.position = chunk_.position(next_++);
             if (next_ + ahead < chunk_.points.size())
                 hwy::Prefetch(&chunk_.points[chunk_.position(next_ + ahead)]);
@@ -179,6 +189,7 @@ private:
     const ClosestChunk& chunk_;
     std::span<const TriangleRow<Scalar>> rows_;
     const IndexBlock* blocks_;
+    StageSteps steps_;
     std::size_t next_ = 0;
     Vec3 last_point_ = Vec3::Zero();
     double last_distance_ = std::numeric_limits<double>::infinity();
@@ -194,8 +205,10 @@ void search_chunk_in_lists(const ClosestChunk& chunk, std::span<const TriangleRo
 {
     std::array<Vec3, queries_together> points;
     std::array<RowDistance, queries_together> found;
+    StageSteps steps(chunk.progress, points_per_report);
     for (std::size_t first = 0; first < chunk.points.size(); first += queries_together) {
         const std::size_t count = HWY_MIN(queries_together, chunk.points.size() - first);
+        if (!steps.done(count)) return;
         for (std::size_t i = 0; i < count; ++i) points[i] = chunk.points[chunk.position(first + i)];
         search_lists_together(chunk.index, *chunk.index.lists(), rows,
                               std::span(points).first(count), found.data());
@@ -203,6 +216,7 @@ void search_chunk_in_lists(const ClosestChunk& chunk, std::span<const TriangleRo
         for (std::size_t i = 0; i < count; ++i)
             write_answer(chunk, chunk.position(first + i), found[i]);
     }
+    steps.finish();
 }
 
 template <class Scalar>
@@ -307,15 +321,24 @@ ClosestOutputs part_of(const ClosestOutputs& all, std::size_t first, std::size_t
             .barycentrics = part_of(all.barycentrics, first, count)};
 }
 
-/// Answers up to the first point that is not finite; returns where that is.
-std::size_t answer_chunk(const IndexParts& index, std::span<const Vec3> points,
-                         const ClosestOutputs& outputs, bool sorted)
+bool is_sorted(const MeshIndex& index, std::span<const Vec3> points, BatchOrder order) noexcept
+{
+    return order == BatchOrder::sorted ||
+           (order == BatchOrder::automatic && pays_to_sort(index, points));
+}
+
+/// \pre points are finite
+void answer_chunk(const IndexParts& index, std::span<const Vec3> points,
+                  const ClosestOutputs& outputs, bool sorted, Progress* progress)
+{
+    const auto order = sorted ? points_along_curve(index, points) : std::vector<CurvePoint>{};
+    HWY_DYNAMIC_DISPATCH(search_chunk)({index, points, order, outputs, progress});
+}
+
+std::span<const Vec3> until_not_finite(std::span<const Vec3> points) noexcept
 {
     const auto bad = std::ranges::find_if(points, [](const Vec3& p) { return !p.allFinite(); });
-    points = points.first(static_cast<std::size_t>(bad - points.begin()));
-    const auto order = sorted ? points_along_curve(index, points) : std::vector<CurvePoint>{};
-    HWY_DYNAMIC_DISPATCH(search_chunk)({index, points, order, outputs});
-    return points.size();
+    return points.first(static_cast<std::size_t>(bad - points.begin()));
 }
 
 void keep_least(std::atomic<std::size_t>& least, std::size_t value)
@@ -339,12 +362,18 @@ Status check_sizes(std::size_t points, const ClosestOutputs& outputs)
 
 } // namespace
 
+void find_closest_features(const MeshIndex& index, std::span<const Vec3> points,
+                           std::span<ClosestFeature> answers, BatchOrder order, Progress* progress)
+{
+    answer_chunk(index.parts(), points, {.answers = answers}, is_sorted(index, points, order),
+                 progress);
+}
+
 Status closest_features(const MeshIndex& index, std::span<const Vec3> points,
                         const ClosestOutputs& outputs, const BatchOptions& options)
 {
     if (auto status = check_sizes(points.size(), outputs); !status) return status;
-    const bool sorted = options.order == BatchOrder::sorted ||
-                        (options.order == BatchOrder::automatic && pays_to_sort(index, points));
+    const bool sorted = is_sorted(index, points, options.order);
     // Sorted ones in chunks as large as the threads leave them.
     const std::size_t share =
         points.size() / static_cast<std::size_t>(thread_count(options.execution.threads)) + 1;
@@ -356,11 +385,10 @@ Status closest_features(const MeshIndex& index, std::span<const Vec3> points,
                     [&](std::size_t first, std::size_t end) {
                         if (is_cancelled(options.execution.progress)) return;
                         const std::size_t count = end - first;
-                        const ClosestOutputs own = part_of(outputs, first, count);
-                        const std::size_t finite =
-                            answer_chunk(index.parts(), points.subspan(first, count), own, sorted);
-                        if (finite < count) keep_least(bad, first + finite);
-                        advance_stage(options.execution.progress, count);
+                        const auto finite = until_not_finite(points.subspan(first, count));
+                        if (finite.size() < count) keep_least(bad, first + finite.size());
+                        answer_chunk(index.parts(), finite, part_of(outputs, first, count), sorted,
+                                     options.execution.progress);
                     });
     if (is_cancelled(options.execution.progress))
         return cancelled("the search for closest features");

@@ -7,6 +7,7 @@
 
 #include <cstdint>
 #include <optional>
+#include <span>
 
 namespace proxima {
 
@@ -16,6 +17,12 @@ struct RowDistance;
 /// in the mesh's unit: nothing farther is wanted, but may be found.
 [[nodiscard]] RowDistance find_closest(const IndexParts& index, const Vec3& p,
                                        double known) noexcept;
+
+/// Like closest_features() on this thread, within a stage that somebody has entered: a step for each
+/// point. Answers are worthless where the progress object asks to stop. \pre points are finite, and
+/// as many as answers
+void find_closest_features(const MeshIndex& index, std::span<const Vec3> points,
+                           std::span<ClosestFeature> answers, BatchOrder order, Progress* progress);
 
 /// Work counters of one query, for worst-case tests and tuning.
 struct QuerySteps {

@@ -10,6 +10,7 @@
 #include "index/signs/sign_parts.h"
 #include "proxima/mesh_index.h"
 #include "query/batch_size.h"
+#include "query/closest/find_closest.h"
 #include "query/closest/on_feature.h"
 #include "query/closest/winding_side.h"
 
@@ -27,6 +28,7 @@ namespace {
 
 constexpr std::size_t least_signs_per_task = 4096;
 constexpr std::size_t most_signs_per_task = 65536;
+constexpr std::size_t signs_per_report = 1024;
 
 /// A pseudonormal as the sum of unit normals may be off by this, in length.
 constexpr double normal_error = 1e-10;
@@ -268,22 +270,23 @@ Status signed_distances(const MeshIndex& index, std::span<const Vec3> points,
         points.size() / static_cast<std::size_t>(thread_count(options.execution.threads)) + 1;
     const std::size_t chunk = std::clamp(share, least_signs_per_task, most_signs_per_task);
     Progress* const progress = options.execution.progress;
-    begin_stage(progress, "signed distances", points.size());
+    begin_stage(progress, "signed distances", 2 * points.size());
     parallel_chunks(
         points.size(), chunk, options.execution.threads, [&](std::size_t first, std::size_t end) {
             if (is_cancelled(progress)) return;
             const auto own = points.subspan(first, end - first);
             std::vector<ClosestFeature> closest(own.size());
-            // No errors: sizes agree and the points are finite.
-            (void)closest_features(index, own, {.answers = closest},
-                                   {.order = options.order, .execution = {.threads = {1}}});
+            find_closest_features(index, own, closest, options.order, progress);
+            if (is_cancelled(progress)) return;
+            StageSteps steps(progress, signs_per_report);
             for (std::size_t k = 0; k < own.size(); ++k) {
+                if (!steps.done(1)) return;
                 const SignedDistance answer = answer_of(index.parts(), closest[k], own[k]);
                 if (!outputs.distances.empty()) outputs.distances[first + k] = answer.distance;
                 if (!outputs.methods.empty()) outputs.methods[first + k] = answer.method;
                 if (!outputs.answers.empty()) outputs.answers[first + k] = answer;
             }
-            advance_stage(progress, own.size());
+            steps.finish();
         });
     if (is_cancelled(progress)) return cancelled("computing signed distances");
     return {};

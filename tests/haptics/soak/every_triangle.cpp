@@ -23,11 +23,11 @@ std::array<float, 3> rounded(const Vec3& p)
     return {static_cast<float>(p[0]), static_cast<float>(p[1]), static_cast<float>(p[2])};
 }
 
-template <std::size_t size>
-std::uint32_t count_within(const std::array<float, size>& squared, float limit)
+template <std::size_t Size>
+std::uint32_t count_within(const std::array<float, Size>& squared, float limit)
 {
     std::uint32_t count = 0;
-    for (std::size_t i = 0; i < size; ++i) count += squared[i] <= limit ? 1U : 0U;
+    for (std::size_t i = 0; i < Size; ++i) count += squared[i] <= limit ? 1U : 0U;
     return count;
 }
 

@@ -221,7 +221,7 @@ int run(const SoakOptions& options)
 } // namespace
 } // namespace proxima::soak
 
-int main(int argc, char** argv)
+int main(int argc, char** argv) // NOLINT(bugprone-exception-escape): one ends it, and says so
 {
     proxima::soak::SoakOptions options;
     CLI::App app("Touches meshes for millions of ticks.");

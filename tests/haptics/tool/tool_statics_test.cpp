@@ -136,9 +136,10 @@ TEST(ToolOnPlane, ItSlidesOverTriangulatedPlanesWithoutCatching)
     std::vector<Vec3> positions;
     std::vector<TriangleCorners> triangles;
     const std::uint32_t cells = 24;
-    for (std::uint32_t i = 0; i <= cells; ++i)
+    for (std::uint32_t i = 0; i <= cells; ++i) {
         for (std::uint32_t k = 0; k <= cells; ++k)
             positions.emplace_back(0.1 * i / cells - 0.05, 0.1 * k / cells - 0.05, 0);
+    }
     for (std::uint32_t i = 0; i < cells; ++i) {
         for (std::uint32_t k = 0; k < cells; ++k) {
             const std::uint32_t a = i * (cells + 1) + k;

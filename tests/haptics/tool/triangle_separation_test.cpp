@@ -123,9 +123,10 @@ TEST(TriangleSeparation, PairsTogetherAreAsFreeAsTheLeastFree)
         EXPECT_GE(effort.spent, 3U);
         EXPECT_FALSE(effort.cut_short);
         for (const NearPair& pair : pairs) {
-            for (int i = 0; i <= samples; ++i)
+            for (int i = 0; i <= samples; ++i) {
                 ASSERT_GE(distance_at(pair, motion, part * i / samples),
                           limits.wanted * (1 - 1e-8));
+            }
         }
     }
 }

@@ -32,7 +32,7 @@ MeshIndex build(const TriangleMesh& mesh, const ListOptions& options = {})
 {
     auto index = testing::listed_index(mesh, options);
     EXPECT_TRUE(index) << describe(index.error());
-    return std::move(*index);
+    return *index;
 }
 
 /// Points where cells and regions meet: corners of cells, points straight above vertices and sides.
@@ -218,9 +218,10 @@ TEST(Lists, BatchesAnswerLikeSingleQueries)
             std::ranges::fill(answers, ClosestFeature{});
             ASSERT_TRUE(closest_features(index, points, {.answers = answers},
                                          {.order = order, .execution = {.threads = {threads}}}));
-            for (std::size_t i = 0; i < points.size(); ++i)
+            for (std::size_t i = 0; i < points.size(); ++i) {
                 ASSERT_TRUE(same_answer(answers[i], closest_feature(index, points[i]).value()))
                     << i;
+            }
         }
     }
 }

@@ -71,9 +71,10 @@ void expect_leaves(const MeshIndex& octree, const std::string& format,
     for (const std::string& line : lines) {
         if (line.rfind("root", 0) == 0) {
             std::string root = "root";
-            for (const double side : {0.0, 2.0})
+            for (const double side : {0.0, 2.0}) {
                 for (int axis = 0; axis < 3; ++axis)
                     root += concat(",", testing::hex(lower[axis] + side * frame.half));
+            }
             EXPECT_EQ(line, root);
             continue;
         }
@@ -157,11 +158,12 @@ TEST_F(ExportProximity, ReportsErrors)
               ErrorCode::unsupported_format);
     EXPECT_EQ(export_proximity(*octree.parts().lists(), path("octree")).error().code,
               ErrorCode::unsupported_format);
-    for (const char* format : {"vtu", "htg"})
+    for (const char* format : {"vtu", "htg"}) {
         EXPECT_EQ(export_proximity(*octree.parts().lists(), path("missing") / concat("x.", format))
                       .error()
                       .code,
                   ErrorCode::file_not_writable);
+    }
     Progress cancelled;
     cancelled.cancel();
     EXPECT_EQ(export_proximity(*octree.parts().lists(), path("x.vtu"),

@@ -70,9 +70,10 @@ Coverage ask_every_leaf(const MeshIndex& index, const MeshIndex& without_lists,
             ++coverage.points;
             if (!found) ++coverage.missed;
         };
-        for (int corner = 0; corner < 8; ++corner)
+        for (int corner = 0; corner < 8; ++corner) {
             ask(Vec3((corner & 1) != 0 ? 1 : -1, (corner & 2) != 0 ? 1 : -1,
                      (corner & 4) != 0 ? 1 : -1));
+        }
         ask(Vec3::Zero());
         for (int i = 0; i < random_points; ++i) ask(Vec3{part(random), part(random), part(random)});
     }
@@ -128,10 +129,11 @@ TEST(LeafCandidates, ListTheClosestFeatureOfEveryPointOfTheirBox)
                 expect_held(p);
                 expect_held(leaf->box.lower);
                 expect_held(leaf->box.upper);
-                for (int i = 0; i < 3; ++i)
+                for (int i = 0; i < 3; ++i) {
                     expect_held(leaf->box.lower +
                                 Vec3{part(random), part(random), part(random)}.cwiseProduct(
                                     leaf->box.extent()));
+                }
                 // What does not fit is told by the count.
                 const auto first = leaf_candidates(index.parts(), p, std::span(buffer).first(1));
                 EXPECT_EQ(first->count, leaf->count);

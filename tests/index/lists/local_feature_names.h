@@ -44,10 +44,12 @@ inline std::vector<Feature> names_of(const LocalFeatures& features, const Triang
     for (std::uint32_t rank = 0; rank < order.size(); ++rank) {
         if (names.size() < features.features.size()) {
             const LocalFeature& next = features.features[names.size()];
-            if (next.kind == FeatureKind::face && features.triangles(next).front() == rank)
+            if (next.kind == FeatureKind::face && features.triangles(next).front() == rank) {
                 add(FeatureKind::face, to_index(order[rank]));
-            else if (!is_degenerate(mesh.triangle(order[rank]))) // a sliver, as its longest side
+            } else if (!is_degenerate(
+                           mesh.triangle(order[rank]))) { // a sliver, as its longest side
                 add(FeatureKind::edge, longest_side(mesh, topology, order[rank]));
+            }
         }
         for (const EdgeId edge : topology.edges(order[rank])) {
             if (edge == no_edge || edge_seen[to_index(edge)]) continue;

@@ -77,9 +77,10 @@ public:
         }
         case FeatureKind::face: {
             const TriangleCorners& c = mesh_.triangles()[feature.id];
-            for (std::size_t i = 0; i < 3; ++i)
+            for (std::size_t i = 0; i < 3; ++i) {
                 add_side(TriangleId{feature.id}, VertexId{c[i]}, VertexId{c[(i + 1) % 3]}, -1,
                          planes);
+            }
             break;
         }
         }

@@ -39,9 +39,10 @@ TriangleMesh closed_book()
         book = page == 0 ? wedge : joined(book, wedge);
     }
     std::vector<TriangleCorners> triangles(book.triangles().begin(), book.triangles().end());
-    for (TriangleCorners& corners : triangles)
+    for (TriangleCorners& corners : triangles) {
         for (std::uint32_t& corner : corners)
             if (corner % 4 < 2) corner %= 4;
+    }
     triangles.push_back({0, 1, 1}); // a segment: no proper triangle of the edge
     return mesh_of({book.positions().begin(), book.positions().end()}, triangles);
 }

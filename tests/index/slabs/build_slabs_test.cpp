@@ -51,9 +51,10 @@ private:
                std::vector<Plane> above)
     {
         const IndexBlock& block = index_.parts().blocks()[reference & ~index_leaf_bit];
-        if ((reference & index_leaf_bit) == 0 || block.leaf.count > 0)
+        if ((reference & index_leaf_bit) == 0 || block.leaf.count > 0) {
             above.push_back(
                 plane_of(index_.parts().slabs()[reference & ~index_leaf_bit], center, half));
+        }
         if ((reference & index_leaf_bit) != 0) {
             visit_leaf(block.leaf, above);
             return;

@@ -6,10 +6,13 @@
 #include "proxima/mesh_index.h"
 #include "query/closest/brute_force.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <gtest/gtest.h>
 #include <limits>
+#include <random>
+#include <vector>
 
 namespace proxima::closest_in_index_test {
 namespace {
@@ -237,8 +240,7 @@ TEST(ClosestInIndex, AcceptsAnyAnswerAsAStart)
     const MeshIndex other_index = build_mesh_index(other).value();
     std::vector<ClosestFeature> earlier = {no_closest_feature(), {}};
     const std::vector<Vec3> points = proximity_points(mesh, 120, 11);
-    for (std::size_t i = 0; i < points.size(); ++i) {
-        const Vec3& p = points[i];
+    for (const Vec3& p : points) {
         const ClosestFeature truth = closest_feature(index, p).value();
         earlier.push_back(truth);
         earlier.push_back(closest_feature(other_index, p).value());
@@ -407,6 +409,37 @@ TEST(ClosestInIndex, BatchesReportErrors)
                   .error()
                   .code,
               ErrorCode::cancelled);
+}
+
+TEST(ClosestInIndex, BatchesStopSoonWithinWhatAThreadSorts)
+{
+    const MeshIndex plain = build_mesh_index(sample_mesh("icosphere:3").value()).value();
+    std::mt19937 random(7); // fixed: what is looked at is where the search ends
+    std::uniform_real_distribution<double> coordinate(-2, 2);
+    std::vector<Vec3> points(60'000);
+    for (Vec3& p : points) p = Vec3{coordinate(random), coordinate(random), coordinate(random)};
+    for (const MeshIndex& index : {plain, with_lists(plain).value()}) {
+        for (const BatchOrder order : {BatchOrder::as_given, BatchOrder::sorted}) {
+            std::vector<double> distances(points.size(), -1);
+            const ClosestOutputs outputs = {.distances = distances};
+            const auto ask = [&](Progress& progress) {
+                return closest_features(
+                    index, points, outputs,
+                    {.order = order, .execution = {.threads = {1}, .progress = &progress}});
+            };
+            Progress stopped;
+            stopped.cancel_after(10);
+            const Status status = ask(stopped);
+            ASSERT_FALSE(status);
+            EXPECT_EQ(status.error().code, ErrorCode::cancelled);
+            EXPECT_GT(stopped.fraction(), 0.0);
+            EXPECT_GT(std::ranges::count(distances, -1.0), 45'000);
+            Progress whole;
+            ASSERT_TRUE(ask(whole));
+            EXPECT_EQ(whole.fraction(), 1.0);
+            EXPECT_EQ(std::ranges::count(distances, -1.0), 0);
+        }
+    }
 }
 
 } // namespace

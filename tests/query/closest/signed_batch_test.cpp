@@ -3,9 +3,12 @@
 #include "proxima/signed_distance.h"
 #include "query/closest/signed_mesh.h"
 
+#include <algorithm>
 #include <bit>
+#include <cstdint>
 #include <gtest/gtest.h>
 #include <limits>
+#include <random>
 #include <string>
 #include <vector>
 
@@ -84,6 +87,40 @@ TEST(SignedDistances, ReportErrors)
     const Status refused = signed_distances(index, points, {.distances = distances});
     ASSERT_FALSE(refused);
     EXPECT_NE(refused.error().message.find("point 4"), std::string::npos);
+}
+
+TEST(SignedDistances, StopSoonWithinWhatAThreadTakes)
+{
+    const MeshIndex index = build_mesh_index(sample_mesh("icosphere:3").value())
+                                .and_then([](const MeshIndex& plain) { return with_signs(plain); })
+                                .value();
+    std::mt19937 random(8); // fixed: what is looked at is where the work ends
+    std::uniform_real_distribution<double> coordinate(-2, 2);
+    std::vector<Vec3> points(40'000);
+    for (Vec3& p : points) p = Vec3{coordinate(random), coordinate(random), coordinate(random)};
+    constexpr double nothing = 77;
+    std::vector<double> distances(points.size(), nothing);
+    const auto ask = [&](Progress& progress) {
+        return signed_distances(index, points, {.distances = distances},
+                                {.execution = {.threads = {1}, .progress = &progress}});
+    };
+    // While it searches, which are the first forty reports or so, and while it finds signs.
+    for (const std::uint64_t reports : {10U, 60U}) {
+        std::ranges::fill(distances, nothing);
+        Progress stopped;
+        stopped.cancel_after(reports);
+        const Status status = ask(stopped);
+        ASSERT_FALSE(status);
+        EXPECT_EQ(status.error().code, ErrorCode::cancelled);
+        EXPECT_GT(stopped.fraction(), 0.0);
+        const auto left = std::ranges::count(distances, nothing);
+        EXPECT_GT(left, 10'000);
+        EXPECT_EQ(left == 40'000, reports == 10U);
+    }
+    Progress whole;
+    ASSERT_TRUE(ask(whole));
+    EXPECT_EQ(whole.fraction(), 1.0);
+    EXPECT_EQ(std::ranges::count(distances, nothing), 0);
 }
 
 } // namespace

@@ -48,7 +48,7 @@ void expect_same(const IntersectionContour& found, const IntersectionContour& ex
 IntersectionContour contour_of(const TriangleMesh& a, const TriangleMesh& b,
                                const RigidTransform& pose)
 {
-    const IntersectionContour contour =
+    IntersectionContour contour =
         intersection_contour(a, b, pose, pairs_by_brute_force(a, b, pose));
     expect_same(
         intersection_contour(build_mesh_index(a).value(), build_mesh_index(b).value(), pose),

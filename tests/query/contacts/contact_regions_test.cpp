@@ -82,9 +82,10 @@ TEST(ContactRegions, OfABoxInAFloorHaveFourCornersAndTheDepth)
         ASSERT_EQ(region.point_count, 4U);
         double area = 0;
         const Vec3 first = region.points[0].on_a;
-        for (const RegionPoint& point : region.contacts())
+        for (const RegionPoint& point : region.contacts()) {
             for (const RegionPoint& other : region.contacts())
                 area = std::max(area, (point.on_a - first).cross(other.on_a - first).norm());
+        }
         EXPECT_GT(area, 0.8 * 8) << "the points reach to the corners";
     }
 }
@@ -214,9 +215,10 @@ TEST(ContactRegions, OfPosesThatAreNoRotationAreThoseOfTheMovedVertices)
 TEST(ContactRegions, RefusePosesThatAreNone)
 {
     const Solid cube = solid_of(make_cube());
-    for (const double bad : {HUGE_VAL, std::nan("")})
+    for (const double bad : {HUGE_VAL, std::nan("")}) {
         EXPECT_EQ(contact_regions(cube, cube, placed(Vec3(0, bad, 0))).error().code,
                   ErrorCode::invalid_argument);
+    }
 
     Progress progress;
     progress.cancel();

@@ -77,9 +77,10 @@ void expect_right(const HullDepth& found, const ConvexPolyhedron& a, const Point
 Points box_corners(const Vec3& extent)
 {
     Points corners;
-    for (int i = 0; i < 8; ++i)
+    for (int i = 0; i < 8; ++i) {
         corners.push_back(
             extent.cwiseProduct(Vec3((i & 1) - 0.5, (i >> 1 & 1) - 0.5, (i >> 2) - 0.5)));
+    }
     return corners;
 }
 

@@ -83,9 +83,10 @@ inline std::optional<std::vector<BruteSegment>> segments_by_brute_force(const Tr
             add_ends(s, t, ends);
             add_ends(t, s, ends);
             BruteSegment longest = {ends.at(0), ends.at(0)};
-            for (const Vec3& end : ends)
+            for (const Vec3& end : ends) {
                 if ((end - longest.from).norm() > (longest.to - longest.from).norm())
                     longest.to = end;
+            }
             if ((longest.to - longest.from).norm() < one_point) {
                 alone.push_back(longest.from);
                 continue;

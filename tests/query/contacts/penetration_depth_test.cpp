@@ -365,12 +365,14 @@ TEST(PenetrationDepth, TakesWhatIsWoundRoundTheOtherWayForFilled)
 {
     // A pocket in a cube's top goes down through its bottom: below, the winding number is -1.
     std::vector<Vec3> points;
-    for (const double z : {0.0, 2.0})
+    for (const double z : {0.0, 2.0}) {
         for (const auto& [x, y] : {std::pair(0.0, 0.0), {2.0, 0.0}, {2.0, 2.0}, {0.0, 2.0}})
             points.emplace_back(x, y, z);
-    for (const double z : {2.0, -3.0})
+    }
+    for (const double z : {2.0, -3.0}) {
         for (const auto& [x, y] : {std::pair(0.5, 0.5), {1.5, 0.5}, {1.5, 1.5}, {0.5, 1.5}})
             points.emplace_back(x, y, z);
+    }
     std::vector<TriangleCorners> triangles = {{0, 3, 2}, {0, 2, 1}, {12, 13, 14}, {12, 14, 15}};
     for (std::uint32_t layer = 0; layer < 12; layer += 4) {
         for (std::uint32_t i = 0; i < 4; ++i) {

@@ -145,10 +145,11 @@ TriangleMesh nasty_hull(std::mt19937_64& random, std::uint64_t kind)
                          : kind % 4 == 2 ? Vec3(p.x(), p.y(), 1e-5 * p.z())
                                          : Vec3(1e-4 * p.x(), 1e-4 * p.y(), p.z() + 0.1 * p.x()));
     }
-    for (const Vec3& p : {Vec3(0, 0, 0), Vec3(3, 0, 0), Vec3(0, 3, 0), Vec3(0, 0, 3)})
+    for (const Vec3& p : {Vec3(0, 0, 0), Vec3(3, 0, 0), Vec3(0, 3, 0), Vec3(0, 0, 3)}) {
         points.push_back(kind % 4 == 2   ? Vec3(p.x(), p.y(), 1e-5 * p.z())
                          : kind % 4 == 3 ? Vec3(1e-4 * p.x(), 1e-4 * p.y(), p.z())
                                          : p);
+    }
     return surface_of(convex_hull(points).value());
 }
 
@@ -316,11 +317,12 @@ TEST(RandomContacts, RegionsOfLinesThatMeetAreJoined)
             EXPECT_GE(points.front().depth, (1 - 0x1p-20) * region.depth) << i;
             for (std::size_t k = 0; k < points.size(); ++k) {
                 EXPECT_LE(points[k].depth, region.depth) << i;
-                for (std::size_t m = 0; m < k; ++m)
+                for (std::size_t m = 0; m < k; ++m) {
                     EXPECT_GT((points[k].on_a - points[m].on_a).norm() +
                                   (points[k].on_b - points[m].on_b).norm(),
                               0)
                         << i;
+                }
             }
         }
         std::ranges::sort(lengths);

@@ -60,9 +60,10 @@ Surface surface_of(const TriangleMesh& mesh)
 {
     Surface surface;
     for (const Vec3& p : mesh.positions()) surface.add_vertex({p.x(), p.y(), p.z()});
-    for (const TriangleCorners& corners : mesh.triangles())
+    for (const TriangleCorners& corners : mesh.triangles()) {
         surface.add_face(Surface::Vertex_index(corners[0]), Surface::Vertex_index(corners[1]),
                          Surface::Vertex_index(corners[2]));
+    }
     return surface;
 }
 

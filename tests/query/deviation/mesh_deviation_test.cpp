@@ -120,9 +120,10 @@ TriangleMesh soup(std::mt19937_64& random, int count, double triangle_size)
     for (int i = 0; i < count; ++i) {
         const Vec3 middle(unit(random), unit(random), unit(random));
         const auto first = static_cast<std::uint32_t>(positions.size());
-        for (int k = 0; k < 3; ++k)
+        for (int k = 0; k < 3; ++k) {
             positions.emplace_back(middle +
                                    triangle_size * Vec3(unit(random), unit(random), unit(random)));
+        }
         triangles.push_back({first, first + 1, first + 2});
     }
     return mesh_of(std::move(positions), std::move(triangles));

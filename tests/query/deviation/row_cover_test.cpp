@@ -53,9 +53,10 @@ void expect_bounds(const TriangleMesh& a, const TriangleMesh& b, std::uint64_t s
         }
         for (std::size_t k = 0; k < 3; ++k) {
             part.nearest[k] = pair->nearest(part.corners[k], HUGE_VAL);
-            if (round % 4 == 3)
+            if (round % 4 == 3) {
                 part.nearest[k].row =
                     static_cast<std::uint32_t>(random() % pair->b().triangle_count());
+            }
         }
         double farthest = 0;
         constexpr int cuts = 12;

@@ -130,9 +130,10 @@ private:
 double coordinates_of(const TriangleMesh& a, const TriangleMesh& b, const RigidTransform& pose)
 {
     double largest = pose.translation.cwiseAbs().maxCoeff();
-    for (const TriangleMesh* mesh : {&a, &b})
+    for (const TriangleMesh* mesh : {&a, &b}) {
         for (const Vec3& p : mesh->positions())
             largest = std::max(largest, p.cwiseAbs().maxCoeff());
+    }
     return largest;
 }
 

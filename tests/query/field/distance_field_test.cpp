@@ -136,9 +136,10 @@ TEST(DistanceField, HasThemOnBrokenMeshesAndGridsOfAnyShape)
     }
     const Signed of(sample_mesh("icosphere:4").value());
     using Size = std::array<std::uint32_t, 3>;
-    for (const Size& size : {Size{1, 1, 1}, Size{70, 1, 1}, Size{1, 66, 2}, Size{33, 3, 34}})
+    for (const Size& size : {Size{1, 1, 1}, Size{70, 1, 1}, Size{1, 66, 2}, Size{33, 3, 34}}) {
         expect_single_answers(of,
                               {.origin = Vec3(-1.1, -0.2, -0.3), .spacing = 0.031, .size = size});
+    }
     // From so far that floats tell nothing apart, and farther; with points that are apart by more
     // than the mesh is large.
     for (const double away : {60.0, 70.0, 1e5, 1e160})

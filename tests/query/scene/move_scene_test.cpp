@@ -65,10 +65,11 @@ TEST(Scene, IsAsItWasAfterAMoveThatWasStopped)
     }
     for (const std::uint64_t reports : {0, 1, 2}) { // before the move, at its beginning, amid it
         Progress progress;
-        if (reports == 0)
+        if (reports == 0) {
             progress.cancel();
-        else
+        } else {
             progress.cancel_after(reports);
+        }
         const Status status =
             move_in_place(scene, ids, poses, {.execution = {.progress = &progress}});
         ASSERT_FALSE(status) << reports;

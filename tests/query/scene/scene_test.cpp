@@ -26,10 +26,10 @@ double most_along(const RandomScene& of, const Vec3& normal, SceneGenerator& ran
 {
     const Instance& at = of.instances[random.below(of.instances.size())];
     const IndexParts& parts = of.shapes[at.shape].parts();
-    double most = 0;
+    double most = std::numeric_limits<double>::lowest();
     for (std::uint32_t row = 0; row < parts.triangle_count(); ++row) {
         for (const Vec3& corner : at.pose(parts.triangle(row)).vertices)
-            most = std::max(row == 0 ? -HUGE_VAL : most, normal.dot(corner));
+            most = std::max(most, normal.dot(corner));
     }
     return most;
 }

@@ -203,9 +203,10 @@ TEST(PlanarSum, RefusesInvalidInput)
               ErrorCode::invalid_argument);
     EXPECT_TRUE(convex_polygon(origin, Points{{1, 0}, {2, 0}, {-1, 1e-300}}));
     const ConvexPolygon point = polygon_of(origin);
-    for (const double length : {0.0, -1.0, nan, std::numeric_limits<double>::infinity()})
+    for (const double length : {0.0, -1.0, nan, std::numeric_limits<double>::infinity()}) {
         EXPECT_EQ(planar_sum(point, point, {.cut_length = length}).error().code,
                   ErrorCode::invalid_argument);
+    }
     EXPECT_TRUE(sum_of(point, point).edges().empty());
 }
 

@@ -13,8 +13,8 @@ namespace {
 
 Vec3 to_vec3(const oracle::Point& point)
 {
-    return Vec3(static_cast<double>(point[0]), static_cast<double>(point[1]),
-                static_cast<double>(point[2]));
+    return {static_cast<double>(point[0]), static_cast<double>(point[1]),
+            static_cast<double>(point[2])};
 }
 
 Triangle to_triangle(const oracle::IntegerTriangle& triangle)

@@ -47,9 +47,10 @@ inline TriangleMesh random_hull(std::mt19937& random)
     std::uniform_int_distribution<int> coordinate(-reach, reach);
     while (true) {
         std::vector<Vec3> points(static_cast<std::size_t>(5 + 12 * pick(random)));
-        for (Vec3& point : points)
+        for (Vec3& point : points) {
             point = Eigen::Vector3i{coordinate(random), coordinate(random), coordinate(random)}
                         .cast<double>();
+        }
         const auto hull = convex_hull(points);
         if (hull && hull->dimension() == 3) return hull_mesh(points);
     }
