@@ -206,7 +206,6 @@ lists were built for: then build anew.)")
         .def("__repr__", &represent_index)
         .def("__copy__", [](const py::object& self) { return self; })
         .def("__deepcopy__", [](const py::object& self, const py::dict&) { return self; })
-        .def("__reduce_ex__", &reduce_by_new_protocol)
         .def(py::pickle(
             [](const MeshIndex& self) {
                 return bytes_of_file(

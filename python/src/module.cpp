@@ -4,50 +4,49 @@
 
 #include <pybind11/pybind11.h>
 
+#include <algorithm>
 #include <cstddef>
-#include <exception>
 
 namespace {
 
 namespace py = pybind11;
 
-/// Where an object that __new__ made without __init__ is used, pybind11 asks for memory, to which
-/// nothing would be written.
-void refuse_objects_without_value(const py::module_& module)
+/// Calls visit(class, its type) for all bound classes.
+template <class Visit>
+void visit_classes(const py::module_& module, const Visit& visit)
 {
     const py::handle type_of_types(
         static_cast<PyObject*>(static_cast<void*>(py::detail::get_internals().default_metaclass)));
     for (const auto& [name, thing] : py::dict(module.attr("__dict__"))) {
-        if (!py::isinstance(thing, type_of_types)) continue;
-        auto* const type = static_cast<PyTypeObject*>(static_cast<void*>(thing.ptr()));
+        if (py::isinstance(thing, type_of_types))
+            visit(thing, static_cast<PyTypeObject*>(static_cast<void*>(thing.ptr())));
+    }
+}
+
+/// Where an object that __new__ made without __init__ is used, pybind11 asks for memory, to which
+/// nothing would be written.
+void refuse_objects_without_value(const py::module_& module)
+{
+    visit_classes(module, [](const py::handle&, PyTypeObject* type) {
         py::detail::get_type_info(type)->operator_new = [](std::size_t) -> void* {
             throw py::type_error(proxima::python::without_value);
         };
-    }
+    });
 }
 
-newfunc new_instance = nullptr;
-
-/// The common base of all bound classes is none itself: pybind11 throws where it is called, which the interpreter, for the
-/// first two protocols of pickle, does from C.
-PyObject* new_instance_or_error(PyTypeObject* type, PyObject* arguments, PyObject* keywords)
+/// The first two protocols of pickle make an object of the common base of all bound classes, from C, where pybind11 throws.
+/// They can write what the third one asks of a class.
+void pickle_by_new_protocols(const py::module_& module)
 {
-    try {
-        return new_instance(type, arguments, keywords);
-    } catch (const std::exception& error) {
-        PyErr_SetString(PyExc_TypeError, error.what());
-        return nullptr;
-    }
-}
-
-void refuse_objects_of_the_base()
-{
-    auto* const base =
-        static_cast<PyTypeObject*>(static_cast<void*>(py::detail::get_internals().instance_base));
-    if (base->tp_new == &new_instance_or_error) return;
-    new_instance = base->tp_new;
-    base->tp_new = &new_instance_or_error;
-    PyType_Modified(base);
+    const auto reduce = [](const py::object& self, int protocol) -> py::object {
+        const py::object object = py::module_::import("builtins").attr("object");
+        return object.attr("__reduce_ex__")(self, std::max(protocol, 2));
+    };
+    visit_classes(module, [&](const py::handle& bound, PyTypeObject*) {
+        if (!bound.attr("__dict__").contains("__reduce__"))
+            bound.attr("__reduce_ex__") =
+                py::cpp_function(reduce, py::name("__reduce_ex__"), py::is_method(bound));
+    });
 }
 
 } // namespace
@@ -68,5 +67,5 @@ PYBIND11_MODULE(_core, module)
     bind_touch_scene(module);
     bind_touch_renderer(module);
     refuse_objects_without_value(module);
-    refuse_objects_of_the_base();
+    pickle_by_new_protocols(module);
 }

@@ -196,7 +196,6 @@ does not suffice.)");
         .def("__repr__", &represent_octree)
         .def("__copy__", [](const py::object& self) { return self; })
         .def("__deepcopy__", [](const py::object& self, const py::dict&) { return self; })
-        .def("__reduce_ex__", &reduce_by_new_protocol)
         .def(py::pickle(
             [](const Octree& self) {
                 return bytes_of_file([&](const std::filesystem::path& path) {

@@ -1,6 +1,5 @@
 #include "pickled.h"
 
-#include <algorithm>
 #include <cstdlib>
 #include <cstring>
 #include <new>
@@ -35,12 +34,6 @@ FileBytes file_bytes_of(const py::bytes& pickled)
     if (storage == nullptr) throw std::bad_alloc();
     std::memcpy(storage.get(), content.data(), content.size());
     return {{static_cast<const std::byte*>(storage.get()), content.size()}, storage};
-}
-
-py::object reduce_by_new_protocol(const py::object& self, int protocol)
-{
-    const py::object reduce = py::module_::import("builtins").attr("object").attr("__reduce_ex__");
-    return reduce(self, std::max(protocol, 2));
 }
 
 } // namespace proxima::python

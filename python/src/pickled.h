@@ -23,8 +23,4 @@ struct FileBytes {
 };
 [[nodiscard]] FileBytes file_bytes_of(const py::bytes& pickled);
 
-/// __reduce_ex__ for classes with py::pickle: the first two protocols know nothing of __setstate__ in bound classes, but
-/// can write what the third one says.
-[[nodiscard]] py::object reduce_by_new_protocol(const py::object& self, int protocol);
-
 } // namespace proxima::python

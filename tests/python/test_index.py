@@ -325,11 +325,6 @@ def test_an_index_of_several_bound_classes(mesh):
     assert both.closest_one(3, 0, 0).distance == both.closest([[3, 0, 0]]).distance[0]
 
 
-def test_the_common_base_of_all_classes_is_none():
-    with pytest.raises(TypeError):
-        proxima.Index.__base__()
-
-
 def test_files_and_pickles(tmp_path, mesh, points):
     index = proxima.Index(mesh, lists=True, distances=True, signs=True)
     index.save(tmp_path / "a.pxi")

@@ -63,3 +63,10 @@ def test_polyhedra_of_meshes_and_pickles():
         proxima.Polyhedron.of_mesh(proxima.Mesh.sample("torus:8x8"))
     with pytest.raises(proxima.InvalidInput, match="point 1 is not finite"):
         proxima.minkowski_sum(cube, cube).contains([[0, 0, 0], [0, 0, np.inf]])
+
+
+def test_a_sum_cannot_be_pickled_and_says_so():
+    total = proxima.minkowski_sum(BOX, BOX)
+    for protocol in range(pickle.HIGHEST_PROTOCOL + 1):
+        with pytest.raises(TypeError, match="pickle"):
+            pickle.dumps(total, protocol)
