@@ -94,7 +94,8 @@ Status run_index(const IndexOptions& options, Session& session)
          {"signs", bytes.signs}}};
     const auto triangles = static_cast<double>(index->triangle_count());
     TextTable table({"Part", "Bytes", "Per triangle"});
-    nlohmann::ordered_json per_triangle;
+    // Not null at first: where memory runs out, null that is to become an object is destroyed as one.
+    nlohmann::ordered_json per_triangle = nlohmann::ordered_json::object();
     for (const auto& [name, size] : parts) {
         const double each = static_cast<double>(size) / triangles;
         table.add_row({name, std::to_string(size), fmt::format("{:.2f}", each)});

@@ -1,6 +1,9 @@
+#include "geometry/length.h"
 #include "index/index_parts.h"
 #include "proxima/closest_feature.h"
 #include "query/closest/describe_closest.h"
+
+#include <cmath>
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "query/closest/closest_in_index.cpp"
@@ -65,8 +68,13 @@ std::optional<ClosestFeature> closest_feature(const MeshIndex& index, const Vec3
     }
     RowDistance found = HWY_DYNAMIC_DISPATCH(search_one)(parts, p, known, steps);
     const auto within = [&](double size) {
+        if (!found.found()) return false;
         const double scaled = size * parts.scale();
-        return found.found() && found.squared <= scaled * scaled;
+        const double squared = scaled * scaled;
+        // Seen from afar, in the units of a mesh of denormal size.
+        if (std::isfinite(size) && std::isinf(squared) && std::isinf(found.squared))
+            return length_of(p - describe_closest(parts, found).point) <= size;
+        return found.squared <= squared;
     };
     // Nothing that near: it was no point of this mesh, and what was passed over may be nearer.
     if (known < radius && !within(known))

@@ -184,7 +184,12 @@ private:
         RegionPoint best = start;
         constexpr double first = 0x1p-4;
         constexpr double last = 0x1p-12;
-        for (double part = first; part > last;) {
+        constexpr int most_rounds = 256;
+        // Then steps grow: where a body only peeps out of another one, the contour is tiny beside them.
+        constexpr int alike = 16;
+        double part = first;
+        int rising = 0;
+        for (int round = 0; part > last && round < most_rounds; ++round) {
             bool better = false;
             // Other directions each time: the deepest lines may be along a ridge.
             turn += std::numbers::phi;
@@ -199,7 +204,9 @@ private:
                 best = *line;
                 better = true;
             }
+            rising = better ? rising + 1 : 0;
             if (!better) part *= 0.5;
+            if (rising > alike) part *= 2;
         }
         return best;
     }

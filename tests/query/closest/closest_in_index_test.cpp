@@ -411,6 +411,19 @@ TEST(ClosestInIndex, BatchesReportErrors)
               ErrorCode::cancelled);
 }
 
+TEST(ClosestInIndex, RadiusHoldsForMeshesWhoseSquaresOverflow)
+{
+    constexpr double tiny = std::numeric_limits<double>::denorm_min();
+    const MeshIndex index =
+        build_mesh_index(
+            make_triangle_mesh({{0, 0, 0}, {tiny, 0, 0}, {0, tiny, 0}}, {{0, 1, 2}}).value())
+            .value();
+    const Vec3 p(3, 4, 12); // 13 away
+    EXPECT_TRUE(closest_feature(index, p));
+    EXPECT_TRUE(closest_feature(index, p, {.radius = 13}));
+    EXPECT_FALSE(closest_feature(index, p, {.radius = 12.5}));
+}
+
 TEST(ClosestInIndex, BatchesStopSoonWithinWhatAThreadSorts)
 {
     const MeshIndex plain = build_mesh_index(sample_mesh("icosphere:3").value()).value();

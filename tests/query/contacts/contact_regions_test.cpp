@@ -325,6 +325,37 @@ TEST(ContactRegions, OfATorusOnAFloorGoRoundTheHole)
     }
 }
 
+TEST(ContactRegions, OfACornerThatPeepsOutEnd)
+{
+    // Three of the four tetrahedra of A reach into B, and one of its corners is all but in B's face: that
+    // region's contour is 1e-13 long, and deeper lines are a million millions of its lengths away.
+    std::vector<Vec3> positions = {
+        {0.25, 0.125, 0.5},   {0.875, 0, 0.25}, {0.375, 0, 0.5},   {0, 0, 0.875},
+        {0, 0, 0.375},        {0.875, 1, 0},    {0, -1, 0},        {0, 0, 1},
+        {0.625, 0.125, 0.25}, {0.375, 0, 6.25}, {0.875, 0, 0.375}, {0, 0.25, 0.5},
+        {0.125, 0.5, 0.5},    {0, 0.5, 0},      {0, 0.875, 0},     {0, 0.375, 0.875}};
+    std::vector<TriangleCorners> triangles;
+    for (std::uint32_t at = 0; at < 16; at += 4) {
+        for (const TriangleCorners& c : {TriangleCorners{0, 1, 2}, {0, 3, 1}, {1, 3, 2}, {2, 3, 0}})
+            triangles.push_back({at + c[0], at + c[1], at + c[2]});
+    }
+    const Solid a = solid_of(make_triangle_mesh(positions, triangles).value());
+    const Solid b =
+        solid_of(make_triangle_mesh({{0, 0, 0}, {1, 0, 0}, {1, 0, 0.625}, {0.25, 0.625, 0.375}},
+                                    {{0, 1, 2}, {0, 3, 1}, {1, 3, 2}, {2, 3, 0}})
+                     .value());
+    const RigidTransform pose = {
+        Eigen::AngleAxisd(108.78842085288763 * std::numbers::pi / 180,
+                          Vec3(0.64270151132237585, 0.43714238200575201, 0.62915920496983224))
+            .toRotationMatrix(),
+        Vec3(-0.24546127157795689, 0.23124853654234245, 0.0017055380423582345)};
+    const ContactRegions found = regions_of(a, b, pose);
+    expect_sound(a, b, pose, found);
+    const auto least = std::ranges::min_element(found.regions, {}, &ContactRegion::length);
+    EXPECT_LT(least->length, 1e-12);
+    EXPECT_GT(least->depth, 0.1);
+}
+
 TEST(ContactRegions, OfATouchHaveNoDepth)
 {
     const Solid cube = solid_of(make_cube());
