@@ -52,7 +52,7 @@ bool surfaces_meet(const TriangleMesh& a, const TriangleMesh& b, const RigidTran
 bool has_inside(const TriangleMesh& mesh, const Vec3& p)
 {
     const auto winding = oracle::exact_winding(mesh, p);
-    return !winding || *winding != 0;
+    return winding && *winding != 0; // what is on the surface, meets it
 }
 
 TriangleMesh moved(const TriangleMesh& mesh, const RigidTransform& pose)
