@@ -78,7 +78,8 @@ Status NpyRows::take_shape()
     const std::span<const std::uint64_t> shape = header_.shape;
     const auto count = product(shape);
     const auto columns = product(shape.subspan(1));
-    if (!count || !columns) return refuse("its shape is larger than any file");
+    constexpr std::uint64_t most = std::numeric_limits<std::uint64_t>::max() / (4 * sizeof(double));
+    if (!count || !columns || *count > most) return refuse("its shape is larger than any file");
     layout_ = shape.size() > 1 ? find_layout(form_, *columns) : form_.layouts.size();
     if (layout_ == form_.layouts.size()) layout_ = find_layout(form_, *count);
     if (*count == 0) {

@@ -14,7 +14,9 @@
 #include <cstring>
 #include <filesystem>
 #include <nlohmann/json.hpp>
+#include <sys/stat.h>
 #include <system_error>
+#include <unistd.h>
 #include <utility>
 
 namespace proxima {
@@ -68,6 +70,16 @@ std::string with_printable_names(std::string text, const std::vector<std::string
         make_printable(name.substr(name.rfind('/') + 1), text);
     }
     return text;
+}
+
+/// Whether the path leads to the file or the pipe that stdout goes to.
+bool is_where_stdout_goes(const std::string& path) noexcept
+{
+    struct stat there {};
+    struct stat out {};
+    return ::stat(path.c_str(), &there) == 0 && ::fstat(STDOUT_FILENO, &out) == 0 &&
+           there.st_dev == out.st_dev && there.st_ino == out.st_ino &&
+           (S_ISREG(out.st_mode) || S_ISFIFO(out.st_mode));
 }
 
 } // namespace
@@ -157,6 +169,12 @@ Status Session::check_outputs(const std::vector<std::string>& files)
                         "two outputs would go to this file: give each a name of its own", path);
         }
         seen.push_back(file);
+        if (!options_.quiet && is_where_stdout_goes(path)) {
+            return fail(ErrorCode::invalid_argument,
+                        "stdout goes there, and so does the report: name another file, or take "
+                        "--json - or --quiet",
+                        path);
+        }
         auto output = OutputFile::create(path); // thrown away uncommitted
         if (output) {
             if (output->is_direct()) outputs_.push_back(std::move(*output));

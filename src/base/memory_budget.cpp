@@ -47,7 +47,8 @@ Status check_budget(MemoryBudget budget, std::uint64_t needed, std::string_view 
     const auto limit = budget_bytes(budget);
     if (needed <= limit) return {};
     constexpr std::uint64_t megabyte = 1'000'000;
-    const std::string needed_text = concat((needed + megabyte - 1) / megabyte, " MB");
+    const std::string needed_text =
+        concat(needed / megabyte + (needed % megabyte != 0 ? 1 : 0), " MB");
     // Rounded the other way, so that what does not fit looks so.
     const std::string limit_text =
         limit < megabyte ? concat(limit, " bytes") : concat(limit / megabyte, " MB");

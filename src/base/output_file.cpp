@@ -336,6 +336,8 @@ Result<OutputFile> OutputFile::create(const fs::path& path, const OutputOptions&
 
     struct stat existing {};
     const bool exists = ::stat(path.c_str(), &existing) == 0;
+    if (!exists && errno == ENAMETOOLONG)
+        return not_writable(path, reason(errno) + ": give it a shorter name");
     if (exists && S_ISDIR(existing.st_mode)) return not_writable(path, "it is a folder");
     if (exists && (!S_ISREG(existing.st_mode) || is_below_device_folders(path))) {
         const bool is_pipe = S_ISFIFO(existing.st_mode);

@@ -171,6 +171,13 @@ class Files(ProgramTest):
         self.assertEqual(self.answers("points.npy", npy([(0, 1, 2), (0.5, 0.25, 2)])).count("\n"), 3)
         self.assertEqual(self.succeed("closest", "torus:9x5", "--point", "0,1,2", "--point", "0.5,0.25,2.5").count("\n"), 3)
 
+    def test_a_shape_in_a_pipe_that_no_file_has_is_refused(self):
+        for rows in (768614336404564650, 768614336404564651, 3074457345618258603):  # 2^64 bytes, all but, and times 4
+            result = subprocess.run([PROXIMA, "closest", "cube", "--points", "-"], capture_output=True, check=False,
+                                    input=npy([(1, 2, 3)] * 20, shape=f"({rows}, 3)"))
+            self.assertEqual((result.returncode, result.stderr),
+                             (1, b"proxima: standard input: its shape is larger than any file\n"))
+
     def test_lines_below_numbered_columns_keep_their_numbers(self):
         good, bad = "0.0,0.0,5.0,0.0,0.0,1.0\n", "0.0,0.0,5.0,0.0,0.0,0.0\n"
         for text, line in ((good + bad, 3), ("\n" + bad, 3), (bad, 2), (good + "\n\n" + good + bad, 6), ("# x\n" + good + bad, 4)):

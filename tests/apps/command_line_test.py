@@ -183,6 +183,21 @@ class Octree(ProgramTest):
         self.assertEqual(len(rows), 960 * (1 + 3 * 1280))
         self.assertGreater(len(set(rows)), 100)
 
+    def test_no_output_goes_where_the_report_on_stdout_goes(self):
+        out = self.folder / "o.txt"
+        for path in ("/dev/stdout", out):
+            with open(out, "wb") as file:
+                result = run("octree", "cube", "--json", path, stdout=file)
+            self.assertEqual(result.returncode, 1)
+            self.assertIn("stdout goes there", result.stderr)
+        result = run("octree", "cube", "--json", "/dev/stdout", "--quiet")
+        self.assertEqual(json.loads(result.stdout)["triangles"], 12)
+
+    def test_a_name_that_is_too_long_is_refused_before_the_work(self):
+        self.succeed("octree", "cube", "--save", self.folder / ("a" * 251 + ".pxo"))
+        long = self.folder / ("a" * 252 + ".pxo")
+        self.refuse("octree", "spaceship:33000", "--depth", 12, "--save", long, says="shorter name")
+
     def test_an_output_replaces_the_old_file(self):
         path = self.file("a.pxo", "old")
         self.succeed("octree", "cube", "--save", path)

@@ -354,6 +354,15 @@ TEST_F(OutputFileTest, ReportsWhyADestinationCannotBeWritten)
 }
 
 // In a child that gives up the superuser's rights, which reach everywhere.
+TEST_F(OutputFileTest, RefusesNamesThatAreTooLongBeforeAnythingIsWritten)
+{
+    EXPECT_TRUE(OutputFile::create(path(std::string(255, 'a'))));
+    const auto file = OutputFile::create(path(std::string(256, 'a')));
+    ASSERT_FALSE(file);
+    EXPECT_EQ(file.error().code, ErrorCode::file_not_writable);
+    EXPECT_NE(file.error().message.find("shorter"), std::string::npos);
+}
+
 TEST_F(OutputFileTest, RefusesReadOnlyFilesAndFolders)
 {
     std::ofstream(path("a.txt")) << "old";
