@@ -74,7 +74,8 @@ void visit_rows(const IndexParts& index, std::span<const TriangleRow<Scalar>> ro
                 double limit, const Visit& visit) noexcept
 {
     const RowScale scale{index.scale(), index.unscale()};
-    constexpr double reach = 2; // of the mesh from the index's center, at least
+    // Distances are rounded as coordinates are, which may be far from the origin.
+    const double reach = 2 + index.scale() * index.center().cwiseAbs().maxCoeff();
     NearWalk walk(index, {p, p}, limit);
     while (const IndexLeaf* const leaf = walk.next_leaf()) {
         const auto group = rows.subspan(leaf->first_row, leaf->count);

@@ -11,7 +11,9 @@
 #include <cmath>
 #include <gtest/gtest.h>
 #include <limits>
+#include <random>
 #include <set>
+#include <span>
 #include <vector>
 
 namespace proxima::nearest_triangles_test {
@@ -97,6 +99,41 @@ TEST(NearestTriangles, AreVisitedInOrderUntilTheVisitorStops)
             ties += all[i - 1].squared_distance == all[i].squared_distance ? 1 : 0;
     });
     EXPECT_GT(ties, 20U) << "batches end between some";
+}
+
+TEST(NearestTriangles, AreTheFirstOnMeshesFarFromTheOrigin)
+{
+    // There, squared distances of triangles that p is all but on are what coordinates round by.
+    const TriangleMesh torus = sample_mesh("torus:24x16").value();
+    std::mt19937_64 random(61);
+    std::uniform_real_distribution<double> part(0, 0.5);
+    for (const double far : {1e6, 1e9, 1e11}) {
+        std::vector<Vec3> positions;
+        for (const Vec3& p : torus.positions()) positions.emplace_back(p + far * Vec3(1, -0.3, 0));
+        const TriangleMesh mesh =
+            make_triangle_mesh(positions, {torus.triangles().begin(), torus.triangles().end()})
+                .value();
+        const MeshIndex index = build_mesh_index(mesh).value();
+        for (std::uint32_t id = 0; id < mesh.triangle_count(); ++id) {
+            const Triangle t = mesh.triangle(TriangleId{id});
+            Vec3 p = id % 2 == 0
+                         ? t[0]
+                         : Vec3(t[0] + part(random) * (t[1] - t[0]) + part(random) * (t[2] - t[0]));
+            p.z() += 2e-8 * (part(random) - 0.5);
+            std::vector<NearTriangle> all;
+            visit_triangles(index, p, HUGE_VAL, [&](TriangleId at, double squared) {
+                all.push_back({squared, at});
+                return Flow::proceed;
+            });
+            std::ranges::sort(all, [](const auto& a, const auto& b) { return a < b; });
+            for (const std::size_t count : {1U, 2U, 5U}) {
+                std::vector<NearTriangle> some(count);
+                ASSERT_EQ(collect_nearest(index, p, some).written, count);
+                EXPECT_TRUE(std::ranges::equal(some, std::span(all).first(count)))
+                    << far << ' ' << id;
+            }
+        }
+    }
 }
 
 TEST(NearestTriangles, AcceptOddQuestions)
