@@ -95,6 +95,10 @@ public:
         std::vector<std::uint32_t> rows;
         for (std::uint32_t row = 0; row < uppers_.size(); ++row)
             if (uppers_[row] != 0 && uppers_[row] >= certain) rows.push_back(row);
+        if (rows.empty()) { // on meshes of denormal size, whose distances are what doubles round by
+            result.places.push_back(far_place(pair_, farthest_point()));
+            return {};
+        }
         const double spacing = options_.place_spacing > 0
                                    ? pair_.to_units(options_.place_spacing)
                                    : GreatestDeviationOptions::default_spacing * pair_.diagonal();
