@@ -172,7 +172,7 @@ class Files(ProgramTest):
         self.assertEqual(self.succeed("closest", "torus:9x5", "--point", "0,1,2", "--point", "0.5,0.25,2.5").count("\n"), 3)
 
     def test_a_shape_in_a_pipe_that_no_file_has_is_refused(self):
-        for rows in (768614336404564650, 768614336404564651, 3074457345618258603):  # 2^64 bytes, all but, and times 4
+        for rows in (768614336404564650, 768614336404564651, 3074457345618258603):  # bytes or numbers of about 2^64
             result = subprocess.run([PROXIMA, "closest", "cube", "--points", "-"], capture_output=True, check=False,
                                     input=npy([(1, 2, 3)] * 20, shape=f"({rows}, 3)"))
             self.assertEqual((result.returncode, result.stderr),
