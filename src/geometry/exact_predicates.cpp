@@ -4,6 +4,7 @@
 #include "geometry/wide_integer.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 namespace proxima {
@@ -64,6 +65,13 @@ Vec3 cross_sizes(const Vec3& u, const Vec3& v) noexcept
 bool fits(const Displacement& u) noexcept
 {
     return fits(u.from) && fits(u.to);
+}
+
+/// Times a power of two, where doubles hold that.
+Vec3 shifted(const Vec3& p, int exponent) noexcept
+{
+    return {std::scalbn(p.x(), exponent), std::scalbn(p.y(), exponent),
+            std::scalbn(p.z(), exponent)};
 }
 
 template <class Exact>
@@ -158,12 +166,26 @@ int determinant_sign(const Displacement& u, const Displacement& v, const Displac
     return exact_determinant_sign<ByWideIntegers>(u, v, w);
 }
 
-double exact_determinant(const Displacement& u, const Displacement& v,
-                         const Displacement& w) noexcept
+ScaledNumber exact_determinant(const Displacement& u, const Displacement& v,
+                               const Displacement& w) noexcept
 {
-    const auto exact = exact_determinant_of<ByExpansions>(u, v, w);
-    double value = 0;
-    for (int i = 0; i < exact.size(); ++i) value += exact[i];
+    ScaledNumber value;
+    std::array<Displacement, 3> all = {u, v, w};
+    for (Displacement& d : all) {
+        if (fits(d)) continue;
+        const int exponent =
+            std::ilogb(std::max(d.from.cwiseAbs().maxCoeff(), d.to.cwiseAbs().maxCoeff()));
+        const Displacement given = d;
+        d = {shifted(given.from, -exponent), shifted(given.to, -exponent)};
+        value.exponent += exponent;
+        if (fits(d) && shifted(d.from, exponent) == given.from && shifted(d.to, exponent) == given.to)
+            continue;
+        value = exact_determinant_of<ByWideIntegers>(u, v, w).rounded();
+        value.exponent -= 3 * 1074;
+        return value;
+    }
+    const auto exact = exact_determinant_of<ByExpansions>(all[0], all[1], all[2]);
+    for (int i = 0; i < exact.size(); ++i) value.mantissa += exact[i];
     return value;
 }
 

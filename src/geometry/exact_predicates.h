@@ -7,6 +7,7 @@
 // (wide_integer.h) do, slowly. So the answers are exact for all finite doubles.
 #pragma once
 
+#include "geometry/scaled_number.h"
 #include "proxima/geometry.h"
 
 namespace proxima {
@@ -26,9 +27,10 @@ namespace proxima {
                                    const Displacement& w) noexcept;
 
 /// The determinant (u x v) . w itself: exact in sign and within a few roundings in size, however
-/// much cancels. \pre every coordinate is zero or between 2^-288 and 2^300 in size. About 1 us.
-[[nodiscard]] double exact_determinant(const Displacement& u, const Displacement& v,
-                                       const Displacement& w) noexcept;
+/// much cancels. Its exponent is 0 where every coordinate is zero or between 2^-288 and 2^300 in
+/// size. \pre all finite. About 1 us; tens where coordinates differ by more than that in size.
+[[nodiscard]] ScaledNumber exact_determinant(const Displacement& u, const Displacement& v,
+                                             const Displacement& w) noexcept;
 
 /// How far a point is from a sum of two, the second one scaled: point - a - scale b, exactly.
 struct SumDisplacement {

@@ -1,7 +1,6 @@
 #include "geometry/ray_triangle.h"
 
 #include "geometry/exact_predicates.h"
-#include "geometry/expansion.h"
 #include "geometry/ray_triangle-inl.h"
 
 #include <algorithm>
@@ -41,82 +40,42 @@ Meeting corner_point(std::size_t corner, const Three& depths) noexcept
     return at;
 }
 
-/// Points and directions for sums whose size matters as well as their sign. Where expansions cannot
-/// hold them they are in units of the largest coordinate, and coordinates that are negligible
-/// beside it are dropped.
-struct Conditioned {
-    Ray ray;
-    Triangle triangle;
-    bool is_exact = true; ///< nothing was left out
-
-    Conditioned(Ray given, Triangle corners) noexcept
-        : ray(std::move(given)), triangle(std::move(corners))
-    {
-        condition(std::array<Vec3*, 4>{&ray.origin, &triangle.vertices[0], &triangle.vertices[1],
-                                       &triangle.vertices[2]});
-        condition(std::array<Vec3*, 1>{&ray.direction});
-    }
-
-private:
-    template <std::size_t Count>
-    void condition(const std::array<Vec3*, Count>& vectors) noexcept
-    {
-        double largest = 0;
-        bool fits = true;
-        for (const Vec3* vector : vectors) {
-            for (const double value : *vector) {
-                largest = std::max(largest, std::abs(value));
-                fits = fits && detail::fits_expansion(value);
-            }
-        }
-        if (fits) return;
-        const int exponent = std::ilogb(largest);
-        for (Vec3* vector : vectors) {
-            for (double& value : *vector) {
-                const double scaled = std::scalbn(value, -exponent);
-                const bool fades = value != 0 && !(std::abs(scaled) >= detail::min_expansion_input);
-                is_exact = is_exact && !fades;
-                value = fades ? 0 : scaled;
-            }
-        }
-    }
-};
-
 /// The decisions that rounding could change, and the cases in which a sign is zero.
 class ExactMeeting {
 public:
     ExactMeeting(const Ray& ray, const Triangle& triangle) noexcept
-        : ray_(ray), triangle_(triangle), depths_(corner_depths(ray, triangle)),
-          conditioned_(ray, triangle)
+        : ray_(ray), triangle_(triangle), depths_(corner_depths(ray, triangle))
     {}
 
     [[nodiscard]] std::optional<RayTriangleHit> find(Faces faces) const noexcept
     {
-        Three weights;
+        Weights weights;
         int seen = 0; // bit 0: a positive sign, bit 1: a negative one
-        std::size_t zeros = 0;
         for (std::size_t i = 0; i < 3; ++i) {
             weights[i] = weight((i + 1) % 3, (i + 2) % 3);
-            if (weights[i] == 0) ++zeros;
-            seen |= (weights[i] > 0 ? 1 : 0) | (weights[i] < 0 ? 2 : 0);
+            const double mantissa = weights[i].mantissa;
+            seen |= (mantissa > 0 ? 1 : 0) | (mantissa < 0 ? 2 : 0);
         }
         if (seen == 3) return std::nullopt;
         if (seen == 0) return faces == Faces::both ? find_in_plane() : std::nullopt;
         const double facing = seen == 1 ? 1.0 : -1.0;
         if (!is_wanted(facing, faces)) return std::nullopt;
-        Meeting at = point_of(weights, zeros);
+        Meeting at = point_of(weights);
         if (std::abs(at.t) <= detail::doubt_of(depths_))
             at = detail::sign_start(ray_, triangle_, facing, at);
         return within_range(ray_, at);
     }
 
 private:
-    /// Where the line meets the triangle's plane, by weights of which so many are zero, not all.
-    [[nodiscard]] Meeting point_of(const Three& weights, std::size_t zeros) const noexcept
+    using Weights = std::array<ScaledNumber, 3>;
+
+    /// Where the line meets the triangle's plane. \pre not all weights are zero
+    [[nodiscard]] Meeting point_of(const Weights& weights) const noexcept
     {
-        if (zeros == 0) return inner_point(weights, depths_);
+        const auto zeros = std::ranges::count(weights, 0.0, &ScaledNumber::mantissa);
+        if (zeros == 0) return inner_point(in_common_units(weights), depths_);
         std::size_t i = 0; // the corner, or the one opposite the edge
-        while ((weights[i] == 0) == (zeros == 2)) ++i;
+        while ((weights[i].mantissa == 0) == (zeros == 2)) ++i;
         if (zeros == 2) return corner_point(i, depths_);
         const std::size_t a = (i + 1) % 3;
         const std::size_t b = (i + 2) % 3;
@@ -128,17 +87,9 @@ private:
     {
         return {ray_.origin, triangle_.vertices[corner]};
     }
-    /// The value, exact in sign and, where expansions hold it, in size.
-    [[nodiscard]] double weight(std::size_t a, std::size_t b) const noexcept
+    [[nodiscard]] ScaledNumber weight(std::size_t a, std::size_t b) const noexcept
     {
-        const Vec3& o = conditioned_.ray.origin;
-        const double value = exact_determinant({Vec3::Zero(), conditioned_.ray.direction},
-                                               {o, conditioned_.triangle.vertices[a]},
-                                               {o, conditioned_.triangle.vertices[b]});
-        if (conditioned_.is_exact) return value;
-        constexpr double least = 0x1p-1000;
-        const int sign = determinant_sign(direction(), to_corner(a), to_corner(b));
-        return sign * std::max(sign * value, least);
+        return exact_determinant(direction(), to_corner(a), to_corner(b));
     }
     [[nodiscard]] int side(std::size_t corner, int axis) const noexcept
     {
@@ -155,13 +106,10 @@ private:
         return -1;
     }
 
-    /// Distance from the line in its plane, up to a factor that all corners share.
-    [[nodiscard]] double distance(std::size_t corner, int axis) const noexcept
+    /// From the line, in its plane, with a sign, up to a factor that all corners share.
+    [[nodiscard]] ScaledNumber distance(std::size_t corner, int axis) const noexcept
     {
-        return std::abs(
-            exact_determinant({Vec3::Zero(), conditioned_.ray.direction},
-                              {conditioned_.ray.origin, conditioned_.triangle.vertices[corner]},
-                              {Vec3::Zero(), Vec3::Unit(axis)}));
+        return exact_determinant(direction(), to_corner(corner), {Vec3::Zero(), Vec3::Unit(axis)});
     }
 
     /// Where an edge crosses the line. The same bits whichever corner comes first.
@@ -172,10 +120,8 @@ private:
         const Vec3& q = triangle_.vertices[b];
         if (std::lexicographical_compare(q.data(), q.data() + 3, p.data(), p.data() + 3))
             std::swap(a, b);
-        const double from_a = distance(a, axis);
-        const double from_b = distance(b, axis);
-        const double sum = from_a + from_b;
-        const double share = sum > 0 ? from_a / sum : 0.5;
+        const auto [from_a, from_b] = in_common_units<2>({distance(a, axis), distance(b, axis)});
+        const double share = std::abs(from_a) / (std::abs(from_a) + std::abs(from_b));
         Meeting at;
         at.weights[a] = 1 - share;
         at.weights[b] = share;
@@ -229,7 +175,6 @@ private:
     const Ray& ray_;
     const Triangle& triangle_;
     Three depths_;
-    Conditioned conditioned_;
 };
 
 } // namespace

@@ -1,10 +1,11 @@
 #include "geometry/triangle_intersection.h"
 
 #include "geometry/exact_predicates.h"
-#include "geometry/expansion.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstddef>
 #include <optional>
 #include <utility>
 
@@ -320,27 +321,6 @@ struct Edge {
     }
 };
 
-/// Brings coordinates into the range of exact_determinant by a power of two. Coordinates that are
-/// still too small become zero: they are negligible beside the largest one.
-class Scaling {
-public:
-    void see(const Vec3& point) noexcept { size_ = std::max(size_, point.cwiseAbs().maxCoeff()); }
-
-    [[nodiscard]] Vec3 operator()(const Vec3& point) const noexcept
-    {
-        const int exponent = size_ > 0 ? std::ilogb(size_) : 0;
-        Vec3 result;
-        for (int axis = 0; axis < 3; ++axis) {
-            const double scaled = std::scalbn(point[axis], -exponent);
-            result[axis] = detail::fits_expansion(scaled) ? scaled : 0.0;
-        }
-        return result;
-    }
-
-private:
-    double size_ = 0;
-};
-
 /// The point between the ends, whose distances from the crossed plane or line are `ahead` and
 /// `behind`.
 Vec3 position_between(const Edge& edge, double ahead, double behind) noexcept
@@ -356,33 +336,32 @@ Vec3 position_between(const Edge& edge, double ahead, double behind) noexcept
 
 Vec3 edge_on_face(const Edge& edge, const Triangle& face) noexcept
 {
-    Scaling scaled;
-    for (const Vec3& point : {edge.from, edge.to, face[0], face[1], face[2]}) scaled.see(point);
-    const Vec3 base = scaled(face[0]);
-    const Displacement u = {base, scaled(face[1])};
-    const Displacement v = {base, scaled(face[2])};
-    return position_between(edge, exact_determinant(u, v, {base, scaled(edge.from)}),
-                            exact_determinant(u, v, {base, scaled(edge.to)}));
+    const Displacement u = {face[0], face[1]};
+    const Displacement v = {face[0], face[2]};
+    const auto [ahead, behind] = in_common_units<2>({exact_determinant(u, v, {face[0], edge.from}),
+                                                     exact_determinant(u, v, {face[0], edge.to})});
+    return position_between(edge, ahead, behind);
 }
 
 Vec3 edge_on_edge(const Edge& edge, const Edge& other) noexcept
 {
-    Scaling scaled;
-    for (const Vec3& point : {edge.from, edge.to, other.from, other.to}) scaled.see(point);
-    const Vec3 base = scaled(other.from);
-    const Displacement along = {base, scaled(other.to)};
-    // Seen along the axis in which they cross at the widest angle.
-    double ahead = 0;
-    double behind = 0;
+    const Displacement along = {other.from, other.to};
+    std::array<ScaledNumber, 6> seen; // along each axis: the edge's ends
     for (int axis = 0; axis < 3; ++axis) {
         const Displacement view = {Vec3::Zero(), Vec3::Unit(axis)};
-        const double one = exact_determinant(along, {base, scaled(edge.from)}, view);
-        const double two = exact_determinant(along, {base, scaled(edge.to)}, view);
-        if (std::abs(one) + std::abs(two) <= std::abs(ahead) + std::abs(behind)) continue;
-        ahead = one;
-        behind = two;
+        const std::size_t at = 2 * static_cast<std::size_t>(axis);
+        seen[at] = exact_determinant(along, {other.from, edge.from}, view);
+        seen[at + 1] = exact_determinant(along, {other.from, edge.to}, view);
     }
-    return position_between(edge, ahead, behind);
+    // The axis along which they cross at the widest angle.
+    const std::array<double, 6> sizes = in_common_units(seen);
+    const auto width = [&](std::size_t at) {
+        return std::abs(sizes[at]) + std::abs(sizes[at + 1]);
+    };
+    std::size_t widest = 0;
+    for (const std::size_t at : {2, 4})
+        if (width(at) > width(widest)) widest = at;
+    return position_between(edge, sizes[widest], sizes[widest + 1]);
 }
 
 } // namespace

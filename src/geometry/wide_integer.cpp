@@ -36,6 +36,14 @@ WideInteger::WideInteger(double value) noexcept
     trim();
 }
 
+ScaledNumber WideInteger::rounded() const noexcept
+{
+    double top = 0; // 65 bits or more
+    for (int i = size_; i-- > std::max(size_ - 3, 0);)
+        top = top * 0x1p32 + static_cast<double>(limb(i));
+    return {sign_ * top, limb_bits * std::max(size_ - 3, 0)};
+}
+
 void WideInteger::trim() noexcept
 {
     while (size_ > 0 && limb(size_ - 1) == 0) --size_;

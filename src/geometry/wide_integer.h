@@ -5,6 +5,8 @@
 // Slow (microseconds): for the inputs on which expansions would over- or underflow.
 #pragma once
 
+#include "geometry/scaled_number.h"
+
 #include <array>
 #include <cstdint>
 
@@ -20,6 +22,9 @@ public:
 
     /// -1, 0 or +1.
     [[nodiscard]] int sign() const noexcept { return sign_; }
+
+    /// The number itself, within 2^-52 of its size.
+    [[nodiscard]] ScaledNumber rounded() const noexcept;
 
     [[nodiscard]] WideInteger operator-() const noexcept;
     friend WideInteger operator+(const WideInteger& a, const WideInteger& b) noexcept;

@@ -73,8 +73,8 @@ TEST(Orient3d, EqualsIntegersAtAnyExponents)
         const auto minor = [&](std::size_t u, std::size_t w) {
             return static_cast<Wide>(ab[u]) * ac[w] - static_cast<Wide>(ab[w]) * ac[u];
         };
-        const int expected =
-            sign_of(minor(1, 2) * ad[0] + minor(2, 0) * ad[1] + minor(0, 1) * ad[2]);
+        const Wide determinant = minor(1, 2) * ad[0] + minor(2, 0) * ad[1] + minor(0, 1) * ad[2];
+        const int expected = sign_of(determinant);
         ++seen[expected < 0 ? 0U : expected == 0 ? 1U : 2U];
         std::array<int, 3> exponents = {0, 0, 0};
         if (i % 16 >= 12) {
@@ -84,6 +84,11 @@ TEST(Orient3d, EqualsIntegersAtAnyExponents)
         const auto point = [&](const Point& p) { return to_double(p, exponents); };
         ASSERT_EQ(orient3d(point(a), point(b), point(c), point(d)), expected) << "case " << i;
         ASSERT_EQ(orient3d(point(b), point(a), point(c), point(d)), -expected) << "case " << i;
+        const auto [size, truth] = in_common_units<2>(
+            {exact_determinant({point(a), point(b)}, {point(a), point(c)}, {point(a), point(d)}),
+             {static_cast<double>(determinant), exponents[0] + exponents[1] + exponents[2]}});
+        ASSERT_EQ(size > 0, expected > 0) << "case " << i;
+        ASSERT_NEAR(size, truth, 1e-15 * std::abs(truth)) << "case " << i;
         ASSERT_EQ(is_degenerate({{point(a), point(b), point(c)}}),
                   minor(1, 2) == 0 && minor(2, 0) == 0 && minor(0, 1) == 0)
             << "case " << i;

@@ -198,5 +198,43 @@ TEST(TriangleIntersection, DoesNotDependOnTheOrderOfCorners)
     EXPECT_GT(met, 2000);
 }
 
+/// Coordinates of one axis far too small for products with those of another.
+TEST(TriangleIntersection, StaysWhereItIsWhateverTheUnitsOfAxesAre)
+{
+    constexpr unsigned seed = 6;
+    SCOPED_TRACE(::testing::Message() << "seed " << seed);
+    std::mt19937 random(seed);
+    std::uniform_int_distribution<int> whole(-4, 4);
+    int met = 0;
+    for (int n = 0; n < 2000; ++n) {
+        Triangle a;
+        Triangle b;
+        for (Triangle* t : {&a, &b}) {
+            for (Vec3& corner : t->vertices) {
+                for (double& x : corner) x = whole(random);
+            }
+        }
+        const TriangleIntersection meeting = intersect(a, b);
+        for (const Vec3& units :
+             {Vec3(1, 0x1p-1000, 0x1p300), Vec3(0x1p-1060, 1, 0x1p-30), Vec3(0x1p-300, 1, 1)}) {
+            const auto scaled = [&](const Triangle& t) {
+                return Triangle{
+                    {units.cwiseProduct(t[0]), units.cwiseProduct(t[1]), units.cwiseProduct(t[2])}};
+            };
+            for (const MeetingParts& parts : meeting.ends()) {
+                const Vec3 place = meeting_point(a, b, parts);
+                const Vec3 other = meeting_point(scaled(a), scaled(b), parts);
+                for (int axis = 0; axis < 3; ++axis) {
+                    ASSERT_NEAR(other[axis], units[axis] * place[axis],
+                                1e-14 * units[axis] + 0x1p-1073)
+                        << "case " << n;
+                }
+                ++met;
+            }
+        }
+    }
+    EXPECT_GT(met, 3000);
+}
+
 } // namespace
 } // namespace proxima::triangle_contact_test

@@ -149,6 +149,8 @@ NearestRow SurfacePair::nearest(const Vec3& p, double known) const noexcept
     const double scaled = most * scale;
     if (!found.found() || !(found.squared <= scaled * scaled))
         found = find_closest(b(), p, std::numeric_limits<double>::infinity());
+    // Seen from 2^511 times B's size away all of B is equally far, up to rounding.
+    if (std::isinf(found.squared)) return {distance(p, found.rank), found.rank};
     return {std::sqrt(found.squared) * b().unscale(), found.rank};
 }
 

@@ -105,6 +105,34 @@ TEST(MeshDeviation, OfParallelStripsIsTheirDistanceHoweverNarrowTheyAre)
     }
 }
 
+TEST(MeshDeviation, OfBodiesWhoseUnitsHaveNoSquaresForIt)
+{
+    // The farthest corner is 5 away, whatever is as small as that.
+    const TriangleMesh large =
+        mesh_of({Vec3(3, 4, 0), Vec3(-1, 0, 0), Vec3(0, -1, 1)}, {{0, 1, 2}});
+    for (const double size : {1e-30, 1e-154, 1e-160, 1e-300, 1e-308, 1e-315, 5e-324}) {
+        SCOPED_TRACE(::testing::Message() << "size " << size);
+        const TriangleMesh small =
+            mesh_of({Vec3(size, 0, 0), Vec3(0, size, 0), Vec3(0, 0, size), Vec3(size, size, 0)},
+                    {{0, 1, 2}, {1, 2, 3}});
+        const MeshIndex a = build_mesh_index(large).value();
+        const MeshIndex b = build_mesh_index(small).value();
+        const auto greatest = greatest_deviation(a, b, {.tolerance = 1e-6, .max_places = 4});
+        ASSERT_TRUE(greatest) << describe(greatest.error());
+        EXPECT_TRUE(greatest->is_complete);
+        EXPECT_NEAR(greatest->distance.lower, 5, 1e-6);
+        EXPECT_NEAR(greatest->distance.upper, 5, 1e-6);
+        EXPECT_EQ(greatest->point_a, Vec3(3, 4, 0));
+        ASSERT_EQ(greatest->places.size(), 1U);
+        EXPECT_EQ(greatest->places[0].point_a, Vec3(3, 4, 0));
+        const auto mean = mean_deviation(a, b, {.tolerance = 1e-3});
+        ASSERT_TRUE(mean) << describe(mean.error());
+        EXPECT_GT(mean->mean.lower, 1);
+        EXPECT_LT(mean->mean.upper, 5);
+        EXPECT_LE(mean->mean.upper - mean->mean.lower, 1e-3);
+    }
+}
+
 TEST(MeshDeviation, HasHistogramsUpToTheirLimit)
 {
     const MeshIndex low = strip(1, 0);
