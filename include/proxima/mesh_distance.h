@@ -11,8 +11,8 @@
 // has one as well. The same bits on every machine.
 //
 // Which pair is named: of those with the same computed distance the one with the lowest id in A,
-// then in B. Where meshes touch, and where they are farther apart than 2^26 times the larger one's
-// size, it is one of these pairs.
+// then in B. Where meshes touch it is one of these pairs. Where they are farther apart than 2^26
+// times the larger one's size, it is any pair whose distance is the least to within 2^-46 of it.
 #pragma once
 
 #include "proxima/export.h"
