@@ -202,6 +202,8 @@ PROXIMA_STEP void scan_block(const std::byte* block, std::uint32_t mask, const V
         const std::uint32_t found = bits[0] | static_cast<std::uint32_t>(bits[1]) << 8U;
         candidates.lanes |= found << (part * lanes);
     }
+    // Where all is as good as infinitely far, lanes without a triangle are within the limit, too.
+    candidates.lanes &= (1U << count) - 1;
 }
 
 } // namespace proxima::HWY_NAMESPACE
