@@ -2,6 +2,7 @@
 #include "proxima/index_io.h"
 
 #include "base/binary_file.h"
+#include "base/simd.h"
 #include "base/text.h"
 #include "cancellation.h"
 #include "damaged_files.h"
@@ -303,8 +304,14 @@ TEST_F(IndexFile, DamageWithRightChecksumsIsHarmless)
         const auto loaded = load_bytes(damaged);
         ++(loaded ? accepted : refused);
         if (!loaded) continue;
-        SCOPED_TRACE(round);
-        expect_harmless(*loaded, static_cast<unsigned>(round));
+        // Lanes without a triangle hold other numbers on each.
+        for (const SimdTarget& target : simd_targets()) {
+            SCOPED_TRACE(::testing::Message() << "round " << round << " " << target.name);
+            force_simd_target(target);
+            expect_harmless(*loaded, static_cast<unsigned>(round));
+            if (HasFatalFailure()) break;
+        }
+        restore_simd_targets();
         if (HasFatalFailure()) return;
     }
     EXPECT_GT(accepted, 100) << "seed " << seed;
