@@ -2,6 +2,7 @@
 // it accepts, and makes its mesh again. Seeds are indexes of the cube, the octahedron (one leaf)
 // and torus:8x6 to depth 2.
 #include "base/binary_file.h"
+#include "base/simd.h"
 #include "exact_copy.h"
 #include "index/check_edges.h"
 #include "index/index_parts.h"
@@ -11,6 +12,7 @@
 #include "proxima/mesh_index.h"
 #include "proxima/signed_distance.h"
 #include "proxima/topology.h"
+#include "query/ask_every_query.h"
 #include "query/closest/find_closest.h"
 
 #include <cstddef>
@@ -36,6 +38,10 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
         if (!loaded->has_lists()) continue;
         if (steps.steps > loaded->parts().lists()->statistics().worst_case_steps) std::abort();
         if (steps.blocks > loaded->parts().lists()->statistics().worst_case_blocks) std::abort();
+    }
+    for (const proxima::SimdTarget& target : proxima::simd_targets()) {
+        proxima::force_simd_target(target);
+        proxima::testing::EveryQuery(*loaded, size).ask();
     }
     if (const auto mesh = mesh_of(*loaded)) {
         const auto topology = build_topology(*mesh);
