@@ -202,8 +202,11 @@ PROXIMA_STEP void scan_block(const std::byte* block, std::uint32_t mask, const V
         const std::uint32_t found = bits[0] | static_cast<std::uint32_t>(bits[1]) << 8U;
         candidates.lanes |= found << (part * lanes);
     }
-    // Where all is as good as infinitely far, lanes without a triangle are within the limit, too.
-    candidates.lanes &= (1U << count) - 1;
+    // In forged blocks all may be as good as infinitely far, and lanes without a triangle within the
+    // limit, too; or no distance a number: then any may be the closest.
+    const std::uint32_t all = (1U << count) - 1;
+    candidates.lanes &= all;
+    if (!HasBound && candidates.lanes == 0) candidates.lanes = all;
 }
 
 } // namespace proxima::HWY_NAMESPACE

@@ -173,7 +173,7 @@ private:
         last_distance_ = std::sqrt(found.squared) * chunk_.index.unscale();
         write_last();
         prefetch_feature(chunk_.index, found);
-        unwritten_ = found;
+        unwritten_ = found_or_any(found, rows_, std::numeric_limits<double>::infinity());
         unwritten_position_ = position;
         has_unwritten_ = true;
     }

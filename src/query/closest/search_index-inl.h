@@ -366,6 +366,18 @@ HWY_INLINE bool search_step(const IndexParts& index, std::span<const TriangleRow
     return query.next != IndexQuery::end;
 }
 
+/// What a search found. The boxes of a forged index may contradict its triangles so that nothing is;
+/// then any vertex is as good an answer.
+template <class Scalar>
+HWY_INLINE RowDistance found_or_any(const RowDistance& found,
+                                    std::span<const TriangleRow<Scalar>> rows, double known)
+{
+    const bool is_wanted = !(known < std::numeric_limits<double>::infinity());
+    if (!found.found() && is_wanted) [[unlikely]]
+        return first_vertex(rows);
+    return found;
+}
+
 /// As search_index, where floats have nothing to say: boxes and rows in doubles.
 template <class Scalar>
 HWY_NOINLINE inline RowDistance search_from_afar(const IndexParts& index,
@@ -384,7 +396,7 @@ HWY_NOINLINE inline RowDistance search_from_afar(const IndexParts& index,
         }
         walk.shrink(best.squared);
     }
-    return best;
+    return found_or_any(best, rows, known);
 }
 
 /// The closest feature of the index's rows by the order of answers. `known`: in the mesh's unit,
@@ -412,7 +424,7 @@ HWY_NOINLINE inline RowDistance search_index(const IndexParts& index,
     while (search_step(index, rows, blocks, lanes, p, query)) {
     }
     settle(index, rows, p, query);
-    return query.best;
+    return found_or_any(query.best, rows, known);
 }
 
 } // namespace proxima::HWY_NAMESPACE

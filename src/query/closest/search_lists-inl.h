@@ -127,7 +127,7 @@ HWY_NOINLINE inline RowDistance search_lists(const IndexParts& index, const Prox
             return search_index(index, rows, p, known);
         }
         search_run(index, lists, rows, leaf.word, frame_p, p, known, best, steps);
-        return best;
+        return found_or_any(best, rows, known);
     }
     const std::byte* const block =
         lists.arrays().arena.data() +
