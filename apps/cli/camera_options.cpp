@@ -105,6 +105,17 @@ OrbitCamera directed_camera(const CameraChoice& choice)
     return camera;
 }
 
+namespace {
+
+Status check_sight(const Vec3& eye, const Vec3& target)
+{
+    if (length_of(eye - target) > 0.0) return {};
+    return fail(ErrorCode::invalid_argument,
+                "the eye is where it looks: give another --eye or --target", "--eye");
+}
+
+} // namespace
+
 Result<OrbitCamera> placed_camera(const CameraChoice& choice, std::span<const Vec3> points)
 {
     Box box;
@@ -117,10 +128,8 @@ Result<OrbitCamera> placed_camera(const CameraChoice& choice, std::span<const Ve
         return camera;
     }
     const Vec3 target = choice.target.value_or(middle);
-    if (!(length_of(*choice.eye - target) > 0.0)) {
-        return fail(ErrorCode::invalid_argument,
-                    "the eye is where it looks: give another --eye or --target", "--eye");
-    }
+    if (Status status = check_sight(*choice.eye, target); !status)
+        return tl::unexpected(status.error());
     return looking(camera, *choice.eye, target);
 }
 
@@ -209,10 +218,11 @@ void add_picture_options(CLI::App& parser, std::string& picture, CameraChoice& c
     add_camera_options(parser, choice, "the picture");
 }
 
-Status check_picture(const std::string& path)
+Status check_picture(const std::string& path, const CameraChoice& choice)
 {
-    if (path.empty() || lower_case_extension(path) == ".png") return {};
-    return fail(ErrorCode::unsupported_format, "a picture is a .png file", path);
+    if (!path.empty() && lower_case_extension(path) != ".png")
+        return fail(ErrorCode::unsupported_format, "a picture is a .png file", path);
+    return choice.eye && choice.target ? check_sight(*choice.eye, *choice.target) : Status();
 }
 
 CameraChoice for_model(CameraChoice choice, const std::string& model)

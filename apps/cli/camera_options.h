@@ -64,8 +64,9 @@ void add_camera_options(CLI::App& parser, CameraChoice& choice, const std::strin
 void add_picture_options(CLI::App& parser, std::string& picture, CameraChoice& choice,
                          const std::string& words);
 
-/// Error unsupported_format for a picture that is no .png file. No name is right.
-[[nodiscard]] Status check_picture(const std::string& path);
+/// Errors, of what can be told without the mesh: unsupported_format for a picture that is no .png
+/// file, invalid_argument for an eye at its target. No name is right.
+[[nodiscard]] Status check_picture(const std::string& path, const CameraChoice& choice);
 
 /// The choice with the model's up axis where none was asked for.
 [[nodiscard]] CameraChoice for_model(CameraChoice choice, const std::string& model);

@@ -3,6 +3,7 @@
 #include "base/simd.h"
 #include "cli/interrupt.h"
 #include "cli/names.h"
+#include "cli/number_checks.h"
 #include "cli/session.h"
 #include "cli/stderr_text.h"
 
@@ -13,6 +14,7 @@
 #include <exception>
 #include <fmt/format.h>
 #include <new>
+#include <span>
 #include <string>
 #include <string_view>
 #include <unistd.h>
@@ -135,6 +137,27 @@ std::string suggest_option(const CLI::App& parser)
     return {};
 }
 
+void read_whole_numbers_as_decimal(CLI::App& parser)
+{
+    for (CLI::Option* const option : parser.get_options({}))
+        if (option->get_type_name().starts_with("N")) option->transform(decimal());
+}
+
+/// The first argument that is empty, or a value after "=" that is, described; else nothing. A variable
+/// of a shell that is not set makes one, and it would be as if the option were not there.
+std::string describe_empty(std::span<char* const> arguments)
+{
+    for (std::size_t i = 1; i < arguments.size(); ++i) {
+        const std::string_view argument = arguments[i];
+        if (argument.starts_with("--") && argument.ends_with("="))
+            return fmt::format("{} has an empty value", argument);
+        if (argument.empty())
+            return fmt::format("the argument after {} is empty",
+                               i > 1 ? arguments[i - 1] : "proxima");
+    }
+    return {};
+}
+
 int run(const Command& command, const CommonOptions& options)
 {
     Session session(options);
@@ -177,7 +200,15 @@ int parse_and_run(int argc, char** argv, const char* version, std::span<const Ad
     CommonOptions options;
     std::vector<Command> commands;
     for (const AddCommand add : adders) commands.push_back(add(app));
-    for (const Command& command : commands) add_common_options(*command.parser, options);
+    for (const Command& command : commands) {
+        add_common_options(*command.parser, options);
+        read_whole_numbers_as_decimal(*command.parser);
+    }
+    if (const std::string empty = describe_empty({argv, static_cast<std::size_t>(argc)});
+        !empty.empty()) {
+        report(empty + ": leave the option out, or give it a value");
+        return wrong_usage;
+    }
     const auto asked_for = [](const Command& command) { return command.parser->parsed(); };
     try {
         app.parse(argc, argv);

@@ -102,7 +102,7 @@ Status check_options(const CullOptions& options, Session& session)
                     "is of --method index: the thesis's method draws all that visible cells list",
                     "--exact");
     }
-    if (Status status = check_picture(options.picture); !status) return status;
+    if (Status status = check_picture(options.picture, options.camera); !status) return status;
     if (!options.out.empty())
         if (Status status = check_triangle_file_format(options.out); !status) return status;
     return check_outputs_or_stdout(options.out, session, {options.picture});

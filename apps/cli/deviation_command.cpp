@@ -7,6 +7,7 @@
 #include "cli/fine_mesh.h"
 #include "cli/index_file_model.h"
 #include "cli/model_options.h"
+#include "cli/number_checks.h"
 #include "cli/plot.h"
 #include "cli/poses.h"
 #include "cli/stopwatch.h"
@@ -56,7 +57,7 @@ Status check_deviation_options(const DeviationOptions& options, Session& session
     if (!options.out.empty() && lower_case_extension(options.out) != ".ply") {
         return fail(ErrorCode::unsupported_format, "--out writes .ply alone", options.out);
     }
-    if (Status status = check_picture(options.picture); !status) return status;
+    if (Status status = check_picture(options.picture, options.view); !status) return status;
     if (!options.histogram.empty()) {
         if (Status status = check_plot_format(options.histogram); !status) return status;
     }
@@ -281,7 +282,7 @@ Command add_deviation_command(CLI::App& app)
         ->type_name("MODEL");
     parser->add_option("--pose", options->pose, "One pose of B")->type_name("POSE");
     const auto add_tolerance = [&](const char* name, double& number, const char* what) {
-        parser->add_option(name, number, what)->check(CLI::NonNegativeNumber)->type_name("T");
+        parser->add_option(name, number, what)->check(not_negative())->type_name("T");
     };
     add_tolerance("--tolerance", options->tolerance,
                   "How far the bounds of the greatest distance may be apart, in the meshes' unit "

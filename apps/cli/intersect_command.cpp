@@ -88,7 +88,7 @@ Status check_options(const IntersectOptions& options, Session& session)
                     fmt::format("{} writes {} alone", option, extension), path);
     };
     if (Status status = wants(options.contour, ".obj", "--contour"); !status) return status;
-    if (Status status = check_picture(options.picture); !status) return status;
+    if (Status status = check_picture(options.picture, options.view); !status) return status;
     if (options.distance && options.method == QueryMethod::thesis) {
         return fail(ErrorCode::invalid_argument,
                     "is of --method index: the thesis has no distance between meshes",

@@ -1,5 +1,6 @@
 #include "cli/model_options.h"
 
+#include "base/file_extension.h"
 #include "base/text.h"
 #include "cli/names.h"
 #include "proxima/mesh_io.h"
@@ -74,7 +75,8 @@ void add_cell_options(CLI::App& parser, int& depth, std::uint32_t& threshold)
 
 Vec3 up_axis_of_model(const std::string& model)
 {
-    return is_sample_mesh_name(model) ? Vec3::UnitZ() : Vec3::UnitY();
+    const bool is_z = is_sample_mesh_name(model) || lower_case_extension(model) == ".3ds";
+    return is_z ? Vec3::UnitZ() : Vec3::UnitY();
 }
 
 tl::unexpected<Error> at_model(Error error, const std::string& model)

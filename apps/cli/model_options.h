@@ -39,7 +39,7 @@ CLI::Option* add_list_budget_option(CLI::App& parser, std::uint64_t& megabytes);
 /// --depth N and --threshold N of the octree for cells.
 void add_cell_options(CLI::App& parser, int& depth, std::uint32_t& threshold);
 
-/// The up axis that a model is drawn with: built-ins stand on z, files mostly on y.
+/// The up axis that a model is drawn with: built-ins and 3DS stand on z, other files mostly on y.
 [[nodiscard]] Vec3 up_axis_of_model(const std::string& model);
 
 /// The error with the model as its place, where it named none.

@@ -64,7 +64,7 @@ Status check_outputs(const OctreeCommandOptions& options, Session& session)
         files.push_back(path);
     }
     if (Status status = session.check_outputs(files); !status) return status;
-    if (Status status = check_picture(options.picture); !status) return status;
+    if (Status status = check_picture(options.picture, options.view); !status) return status;
     return check_extension(options.save, ".pxo");
 }
 

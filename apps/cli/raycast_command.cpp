@@ -55,7 +55,7 @@ Status check_options(const RaycastOptions& options, Session& session)
                     "--target, --up, --fov",
                     "raycast");
     }
-    if (Status status = check_picture(options.picture); !status) return status;
+    if (Status status = check_picture(options.picture, options.camera); !status) return status;
     return check_rows(options.out, session, {options.picture});
 }
 

@@ -3,6 +3,7 @@
 #include "cli/closest_searcher.h"
 #include "cli/commands.h"
 #include "cli/npy_header.h"
+#include "cli/number_checks.h"
 #include "cli/point_options.h"
 #include "cli/poses.h"
 #include "cli/ray_sources.h"
@@ -389,7 +390,7 @@ Command add_scene_command(CLI::App& app)
     parser
         ->add_option("--within", options->within,
                      "With --pairs: which are at most this far apart, and their closest points")
-        ->check(CLI::NonNegativeNumber)
+        ->check(not_negative())
         ->type_name("D");
     add_rows_option(*parser, options->out);
     parser->callback([options] { check_questions(*options); });

@@ -124,7 +124,7 @@ Status run_view(const ViewOptions& options, Session& session)
     if (options.list_controls) return list_controls(options, session);
     if (Status status = session.check_outputs({options.picture, options.out}); !status)
         return status;
-    if (Status status = check_picture(options.picture); !status) return status;
+    if (Status status = check_picture(options.picture, options.camera); !status) return status;
     if (!options.out.empty() && lower_case_extension(options.out) != ".glb") {
         return fail(ErrorCode::unsupported_format, "what is shown is written to a .glb file",
                     options.out);

@@ -151,8 +151,8 @@ build_thesis_proximity(TriangleMesh mesh, const ThesisProximityOptions& options 
 
 // Rays, culling and intersections by the cells of an octree (5.2 to 5.4).
 
-/// The answer of closest_hit, except that a line which touches the root cell in a single point hits
-/// nothing. Thread safe, no allocation. \pre the octree was built from this mesh, and lists exactly
+/// The answer of closest_hit. Of a line that touches the root cell in a single point every triangle is
+/// asked. Thread safe, no allocation. \pre the octree was built from this mesh, and lists exactly
 /// the triangles that touch (OctreeParameters::exact); directions are so long that t is below 2^1000
 /// all over the root
 [[nodiscard]] std::optional<RayHit> closest_hit_by_cells(const Octree& octree,

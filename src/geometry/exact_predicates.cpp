@@ -178,7 +178,8 @@ ScaledNumber exact_determinant(const Displacement& u, const Displacement& v,
         const Displacement given = d;
         d = {shifted(given.from, -exponent), shifted(given.to, -exponent)};
         value.exponent += exponent;
-        if (fits(d) && shifted(d.from, exponent) == given.from && shifted(d.to, exponent) == given.to)
+        if (fits(d) && shifted(d.from, exponent) == given.from &&
+            shifted(d.to, exponent) == given.to)
             continue;
         value = exact_determinant_of<ByWideIntegers>(u, v, w).rounded();
         value.exponent -= 3 * 1074;

@@ -88,13 +88,13 @@ tl::unexpected<Error> unknown_extension(const std::filesystem::path& path, std::
 Result<TriangleMesh> read_mesh(const std::filesystem::path& path, const ReadOptions& options)
 {
     const auto format = format_of_path(path);
-    std::error_code ignored;
-    const bool is_there = std::filesystem::exists(path, ignored);
-    if (!is_there) {
+    std::error_code error; // such as a folder that may not be entered: reading says which
+    const bool is_there = std::filesystem::exists(path, error);
+    if (!is_there && !error) {
         return fail(ErrorCode::file_not_found, "there is no such file: check the path",
                     path.string());
     }
-    if (!format && !std::filesystem::is_directory(path, ignored)) {
+    if (!format && !std::filesystem::is_directory(path, error)) {
         return unknown_extension(path, known_mesh_extensions());
     }
     const auto bytes = read_file(path, {.budget = options.execution.budget,

@@ -184,6 +184,28 @@ class Options(ProgramTest):
         self.refuse("octree", "cube", "--depth", 19, "--uniform")
 
 
+    def test_empty_values_are_not_left_out(self):
+        """As a variable of a shell makes them that is not set."""
+        for arguments, says in ((("index", "cube", "--save", ""), "after --save is empty"), (("check", ""), "after check is empty"),
+                                (("contact-time", "cube", "cube", "--from", "5,0,0", "--to", ""), "after --to is empty"),
+                                (("octree", "cube", "--json="), "--json= has an empty value")):
+            with self.subTest(arguments):
+                self.refuse(*arguments, status=2, says=says)
+
+    def test_whole_numbers_are_decimal(self):
+        for text, depth in (("3", 3), ("03", 3), ("010", 10), ("0", 0), ("00", 0)):
+            self.assertEqual(self.json_of("octree", "cube", "--depth", text, "--threshold", 1000)["depth"], depth, text)
+        self.refuse("octree", "cube", "--depth", "0x3", status=2, says="0x3 is no decimal number")
+        self.refuse("deviation", "cube", "cube", "--tolerance", "-1", status=2, says="-1 is no number from 0 up")
+
+    def test_a_camera_at_its_target_is_refused_before_anything_is_written(self):
+        old = self.folder / "old.pxo"
+        old.write_text("old")
+        self.refuse("octree", "cube", "--depth", 1, "--save", old, "--picture", self.folder / "a.png", "--eye", "0,0,0",
+                    "--target", "0,0,0", says="the eye is where it looks")
+        self.assertEqual(old.read_text(), "old")
+
+
 class Outputs(ProgramTest):
     """Every kind of output where it cannot be written."""
     OPTIONS = {"--json": "a.json", "--save": "a.pxo", "--out": ("a.vtu", "a.htg", "a.glb", "a.ply"), "--picture": "a.png"}

@@ -3,9 +3,11 @@
 #include "mesh/mesh_files.h"
 #include "mesh/weld_vertices.h"
 
+#include <algorithm>
 #include <cmath>
 #include <map>
 #include <random>
+#include <vector>
 
 namespace proxima::mesh_io_test {
 namespace {
@@ -290,6 +292,14 @@ TEST(MeshIo, WeldsThreeDsByFormat)
     const TriangleMesh mesh = read_seed("3ds/tetrahedron.3ds");
     EXPECT_EQ(mesh.vertex_count(), 4U);
     EXPECT_EQ(mesh.triangle_count(), 4U);
+    // In the file's own coordinates: assimp turns them.
+    std::vector<Vec3> positions(mesh.positions().begin(), mesh.positions().end());
+    const auto before = [](const Vec3& p, const Vec3& q) {
+        return std::lexicographical_compare(p.begin(), p.end(), q.begin(), q.end());
+    };
+    std::ranges::sort(positions, before);
+    EXPECT_EQ(positions,
+              (std::vector<Vec3>{Vec3(0, 0, 0), Vec3(0, 0, 1.5), Vec3(0, 1, 0), Vec3(1, 0, 0)}));
 }
 
 #ifndef PROXIMA_WITH_ASSIMP

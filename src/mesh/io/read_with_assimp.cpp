@@ -11,6 +11,7 @@
 #include <exception>
 #include <memory>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 namespace proxima::detail {
@@ -108,8 +109,11 @@ struct Instance {
 
 class SceneReader {
 public:
-    SceneReader(const MeshSource& source, const ReadOptions& options, const aiScene& scene)
-        : source_(source), options_(options), scene_(scene), mesh_(source, options)
+    /// `to_file`: from the scene's coordinates to the file's.
+    SceneReader(const MeshSource& source, const ReadOptions& options, const aiScene& scene,
+                Transform to_file)
+        : source_(source), options_(options), scene_(scene), to_file_(std::move(to_file)),
+          mesh_(source, options)
     {}
 
     Result<TriangleMesh> read(Vertices vertices)
@@ -140,7 +144,7 @@ private:
             const aiNode* node = nullptr;
             Transform parent;
         };
-        std::vector<Pending> pending{{scene_.mRootNode, Transform::Identity()}};
+        std::vector<Pending> pending{{scene_.mRootNode, to_file_}};
         while (!pending.empty()) {
             const Pending next = pending.back();
             pending.pop_back();
@@ -212,10 +216,23 @@ private:
     const MeshSource& source_;
     const ReadOptions& options_;
     const aiScene& scene_;
+    Transform to_file_;
     MeshAssembler mesh_;
     std::vector<Instance> instances_;
     Error error_;
 };
+
+/// Assimp turns what a 3DS file holds so that its z axis becomes y: here it is turned back.
+Transform to_file_of(MeshFormat format)
+{
+    if (format != MeshFormat::three_ds) return Transform::Identity();
+    Transform turn;
+    turn << 1, 0, 0, 0, //
+        0, 0, -1, 0,    //
+        0, 1, 0, 0,     //
+        0, 0, 0, 1;
+    return turn;
+}
 
 const char* hint_of(MeshFormat format) noexcept
 {
@@ -255,7 +272,7 @@ Result<TriangleMesh> read_with_assimp(const MeshSource& source, const std::files
         if (!progress.may_continue(source.text.data() + source.text.size())) {
             return cancelled("reading", source.name);
         }
-        return SceneReader(source, options, *scene).read(vertices);
+        return SceneReader(source, options, *scene, to_file_of(format)).read(vertices);
     } catch (const std::exception& exception) {
         return fail(ErrorCode::malformed_file,
                     concat("assimp cannot read this file: ", exception.what()), source.name);

@@ -28,7 +28,7 @@ namespace {
 
 constexpr std::size_t least_signs_per_task = 4096;
 constexpr std::size_t most_signs_per_task = 65536;
-constexpr std::size_t signs_per_report = 1024;
+constexpr std::size_t signs_per_report = 64; // winding numbers may take milliseconds
 
 /// A pseudonormal as the sum of unit normals may be off by this, in length.
 constexpr double normal_error = 1e-10;

@@ -145,7 +145,8 @@ Result<SelfIntersections> find_self_intersections(const MeshIndex& index,
                                        [&](TriangleId other, const Triangle& there) {
                                            if (id < other && meet_beyond_corners(triangle, there))
                                                pairs.push_back({id, other});
-                                           return pairs.size() <= options.max_pairs;
+                                           return pairs.size() <= options.max_pairs &&
+                                                  !is_cancelled(options.execution.progress);
                                        });
             }
         };

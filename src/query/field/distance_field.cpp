@@ -34,7 +34,8 @@ class FieldWriter {
 public:
     FieldWriter(const MeshIndex& index, const PointGrid& grid, const FieldOutputs& outputs,
                 const FieldOptions& options)
-        : index_(index), parts_(index.parts()), grid_(grid), to_(outputs), band_(options.band)
+        : index_(index), parts_(index.parts()), grid_(grid), to_(outputs), band_(options.band),
+          progress_(options.execution.progress)
     {
         if (asks_open_sides(parts_, grid)) open_.emplace(parts_);
     }
@@ -85,13 +86,15 @@ public:
     }
 
 private:
-    /// Calls visit(position, point) with x running fastest.
+    /// Calls visit(position, point) with x running fastest. Ends where the work shall stop: a winding
+    /// number may take milliseconds.
     template <class Visit>
     void for_each_point(const GridBlock& block, const Visit& visit) const
     {
         const auto [i, j, k] = block.first;
         for (std::uint32_t z = k; z < k + block.size[2]; ++z) {
             for (std::uint32_t y = j; y < j + block.size[1]; ++y) {
+                if (is_cancelled(progress_)) return;
                 const std::size_t row = grid_.position(i, y, z);
                 for (std::uint32_t x = 0; x < block.size[0]; ++x)
                     visit(row + x, grid_.point(i + x, y, z));
@@ -145,6 +148,7 @@ private:
     const PointGrid& grid_;
     const FieldOutputs& to_;
     double band_;
+    Progress* progress_;
     std::optional<OpenSides> open_;
 };
 

@@ -6,21 +6,22 @@
 #include "oracles/ray_hits.h"
 #include "proxima/cast_ray.h"
 #include "proxima/octree.h"
+#include "proxima/sample_meshes.h"
 #include "query/rays/test_rays.h"
 
+#include <algorithm>
 #include <gtest/gtest.h>
+#include <random>
 
 namespace proxima::cast_ray_by_cells_test {
 namespace {
 
 using namespace testing;
 
-/// Its root is larger than the mesh, so that no ray touches the mesh where it only touches the root.
+/// With a root as tight as can be: rays touch the mesh where they only touch the root.
 Octree octree_of(const TriangleMesh& mesh, int depth)
 {
-    OctreeFrame root = tight_root(bounding_box(mesh), RootShape::cube);
-    root.lower -= 0.25 * root.edge;
-    root.edge *= 1.5;
+    const OctreeFrame root = tight_root(bounding_box(mesh), RootShape::cube);
     return build_octree(mesh,
                         {.max_depth = depth, .root = root, .classification = Classification::none})
         .value();
@@ -72,6 +73,30 @@ TEST(CastRayByCells, AnswersLikeBruteForceOnNastyMeshes)
     for (std::uint32_t seed = 0; seed < 300; ++seed)
         hits += expect_truth(nasty_mesh(seed), static_cast<int>(seed % 6), seed, 60);
     EXPECT_GT(hits, 5'000U);
+}
+
+TEST(CastRayByCells, HitsWhatItOnlyTouchesOnTheBorderOfTheRoot)
+{
+    constexpr unsigned seed = 8;
+    SCOPED_TRACE(::testing::Message() << "seed " << seed);
+    std::mt19937 random(seed);
+    std::uniform_int_distribution<int> eighths(-8, 8);
+    const TriangleMesh cube = sample_mesh("cube").value();
+    const Octree octree = octree_of(cube, 3);
+    const double half = bounding_box(cube).upper.x();
+    int hits = 0;
+    for (int i = 0; i < 2000; ++i) {
+        // Through a point of an edge or a corner, all in whole eighths.
+        Vec3 at(eighths(random), 8, i % 8 == 0 ? 8 : -8);
+        std::rotate(at.data(), at.data() + i % 3, at.data() + 3);
+        const Vec3 direction(eighths(random), eighths(random), eighths(random));
+        if (direction.isZero()) continue;
+        const Ray ray{.origin = half / 8 * at - 2 * direction, .direction = direction};
+        const auto truth = closest_hit_by_brute_force(cube, ray);
+        ASSERT_EQ(closest_hit_by_cells(octree, cube, ray), truth) << i;
+        hits += truth ? 1 : 0;
+    }
+    EXPECT_GT(hits, 1900);
 }
 
 TEST(CastRayByCells, AnswersLikeTheMeshIndexWithATightRoot)
