@@ -139,8 +139,10 @@ std::string suggest_option(const CLI::App& parser)
 
 void read_whole_numbers_as_decimal(CLI::App& parser)
 {
-    for (CLI::Option* const option : parser.get_options({}))
-        if (option->get_type_name().starts_with("N")) option->transform(decimal());
+    for (CLI::Option* const option : parser.get_options({})) {
+        const std::string type = option->get_type_name(); // such as N or N:INT in [0 - 19]
+        if (type == "N" || type.starts_with("N:")) option->transform(decimal());
+    }
 }
 
 /// The first argument that is empty, or a value after "=" that is, described; else nothing. A variable

@@ -208,7 +208,9 @@ Status Session::check_inputs(const std::vector<std::string>& outputs) const
         };
         if (std::ranges::count_if(options_.arguments, is_it) < 2) continue;
         return fail(ErrorCode::invalid_argument,
-                    "is named twice, and once to be written: name another file for that", output);
+                    "would be read and written, or written twice: name another file for "
+                    "what is written",
+                    output);
     }
     return {};
 }

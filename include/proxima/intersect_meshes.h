@@ -261,7 +261,7 @@ struct SelfIntersections {
 ///     no corner in common      they meet
 ///     one                      they meet elsewhere, too
 ///     two                      they lie in one plane, on the same side of their common edge
-///     three                    always: one covers the other
+///     three                    always: one covers the other; but without an area never
 ///
 /// Corners at one position are common, whatever their ids: seams do not count. Exact, and the same
 /// for any number of threads. Error cancelled. About 5 us per triangle of a scanned model; quadratic

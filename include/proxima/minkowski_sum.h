@@ -152,7 +152,8 @@ struct MinkowskiOptions {
 /// and the sum) steps times the edges at a vertex (walks start where their neighbours ended; shapes
 /// made for it can cost more); O(edges of A x edges of B) where one of them is a polygon or both are
 /// unbounded. Unbounded ones are summed by their rays: no cut is needed. Errors: limit_exceeded (more
-/// than 2^28 corners of all facets together), cancelled.
+/// than 2^28 corners of all facets together), invalid_argument (both are unbounded and flat, and
+/// their sum holds a whole line), cancelled.
 [[nodiscard]] Result<MinkowskiSum> minkowski_sum(const ConvexPolyhedron& a,
                                                  const ConvexPolyhedron& b,
                                                  const MinkowskiOptions& options = {});

@@ -233,7 +233,7 @@ struct SceneFeature {
 };
 
 struct SceneFeatureOptions {
-    /// Nothing farther is found. None is where it is NaN or below 0.
+    /// Nothing farther is found, up to a rounding. None is where it is NaN or below 0.
     double radius = std::numeric_limits<double>::infinity();
     std::uint32_t layers = all_layers;
     Execution execution = {}; ///< of batches: stage "closest features", steps are points

@@ -46,6 +46,9 @@ struct IndexFrame {
     [[nodiscard]] Vec3 to_frame(const Vec3& p) const noexcept { return (p - center) * scale; }
 };
 
+/// Where the scale is this one, the mesh may be larger than the frame's [-1, 1].
+inline constexpr double least_index_scale = 0x1p-1000;
+
 /// The frame of a mesh of that box; `has_floats`: all its coordinates are.
 [[nodiscard]] IndexFrame index_frame(const Box& box, bool has_floats) noexcept;
 

@@ -419,7 +419,7 @@ class Refusing(ProgramTest):
         self.refuse("closest", "cube", "--points", "/dev/zero", says=("/dev/zero:1:", "longer"))
         self.refuse_points("remarks.csv", "# only\n\n# remarks\n", ("remarks.csv", "no row"))
         self.refuse("closest", "cube", "--points", "-", input="1,2\n", says="standard input:1:")
-        for text, says in (("1,2", "2 numbers"), ("a,b,c", "a is no number"), ("", "no row"), ("1,2,inf", "finite")):
+        for text, says in (("1,2", "2 numbers"), ("a,b,c", "a is no number"), (" ", "no row"), ("1,2,inf", "finite")):
             self.refuse("closest", "cube", "--point", text, says=("--point", says))
         self.refuse_points("long.csv", "1" * 3_000_000, ("long.csv:1:", "longer"))
 

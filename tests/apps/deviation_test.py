@@ -119,10 +119,10 @@ class RefusingDeviation(ProgramTest):
     def test_bad_options(self):
         self.refuse("deviation", "cube", status=2, says="B")
         self.refuse("deviation", "cube", "cube", "--tolerance", "-1", status=2, says="--tolerance")
-        self.refuse("deviation", "cube", "cube", "--tolerance", "nan", says="tolerance")
+        self.refuse("deviation", "cube", "cube", "--tolerance", "nan", status=2, says="tolerance")
         self.refuse("deviation", "cube", "cube", "--bins", "0", status=2, says="--bins")
         self.refuse("deviation", "cube", "cube", "--places", "257", status=2, says="--places")
-        self.refuse("deviation", "cube", "cube", "--place-spacing", "nan", says="spacing")
+        self.refuse("deviation", "cube", "cube", "--place-spacing", "nan", status=2, says="spacing")
         self.refuse("deviation", "cube", "cube", "--out", self.folder / "a.obj", says=".ply")
         self.refuse("deviation", "cube", "cube", "--histogram", self.folder / "a.txt", says=".csv")
         self.refuse("deviation", "cube", "cube", "--pose", "1,2", says="pose")

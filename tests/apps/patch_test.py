@@ -249,7 +249,7 @@ class Refusing(ProgramTest):
             self.refuse("patch", "cube", *options, status=2, says=says)
         refuse(says="--point")
         self.refuse("patch", "--point", "0,0,0", status=2, says="MODEL")
-        for point in ("1,2", "1,2,3,4", "1,2,", "a,b,c", "nan,0,0", "0,-inf,0", "1e999,0,0", "1 2 3", ""):
+        for point in ("1,2", "1,2,3,4", "1,2,", "a,b,c", "nan,0,0", "0,-inf,0", "1e999,0,0", "1 2 3"):
             refuse("--point=" + point, says=("--point", "X,Y,Z"))
         good = ("--point", "0,0,3")
         refuse(*good, "--rings", 1, "--radius", 1, says=("--rings", "--radius"))

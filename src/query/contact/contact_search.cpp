@@ -1,6 +1,7 @@
 #include "query/contact/contact_search.h"
 
 #include "geometry/triangle_contact.h"
+#include "index/binary_tree.h"
 #include "index/index_parts.h"
 
 #include <algorithm>
@@ -53,6 +54,8 @@ PairStart contact_search(const IndexParts& a, const IndexParts& b, const RigidTr
                          ContactSearch& open) noexcept
 {
     if (a.triangle_count() == 0 || b.triangle_count() == 0) return PairStart::apart;
+    const double scale = std::min(a.scale(), b.scale());
+    if (scale <= least_index_scale) return PairStart::too_far; // not within the frame, perhaps
     const double size_a = root_reach / a.scale();
     const double size_b = root_reach / b.scale();
     const Vec3 between = pose_b(b.center()) - a.center();
@@ -67,7 +70,6 @@ PairStart contact_search(const IndexParts& a, const IndexParts& b, const RigidTr
         64 * std::numeric_limits<double>::denorm_min();
     const double farthest = between.cwiseAbs().maxCoeff();
     if (farthest > (size_a + 1.8 * size_b) + 2 * error) return PairStart::apart;
-    const double scale = std::min(a.scale(), b.scale());
     if (!(error * scale < too_coarse)) return PairStart::too_far;
     open.pose_error = static_cast<float>(error * scale * 1.8);
     constexpr float float_roundoff = 0x1p-24F;

@@ -136,7 +136,7 @@ Result<SelfIntersections> find_self_intersections(const MeshIndex& index,
         std::vector<std::vector<TrianglePair>> found(chunk_count(count, chunk_rows));
         const auto search = [&](std::size_t first, std::size_t end) {
             std::vector<TrianglePair>& pairs = found[first / chunk_rows];
-            StageSteps steps(options.execution.progress, 64);
+            StageSteps steps(options.execution.progress, 8);
             for (auto row = start + static_cast<std::uint32_t>(first); row < start + end; ++row) {
                 if (!steps.done(1) || pairs.size() > options.max_pairs) return;
                 const Triangle triangle = parts.triangle(row);

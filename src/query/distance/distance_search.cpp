@@ -1,5 +1,6 @@
 #include "query/distance/distance_search.h"
 
+#include "geometry/triangle_contact.h"
 #include "geometry/triangle_distance.h"
 #include "index/index_parts.h"
 
@@ -89,12 +90,14 @@ bool DistanceSearch::ask(std::uint32_t row_a, std::uint32_t row_b) noexcept
     if (row_a >= a.triangle_count() || row_b >= b.triangle_count()) return false;
     const IndexedTriangle first = row_of(a, row_a);
     const IndexedTriangle second = row_of(b, row_b);
+    const Triangle moved = pose_b_(second.triangle);
     const ClosestTrianglePoints pair =
-        closest_points(scaled(first.triangle, unit_), scaled(pose_b_(second.triangle), unit_));
+        closest_points(scaled(first.triangle, unit_), scaled(moved, unit_));
     // Where doubles end, what does not touch keeps a distance.
-    const double distance =
-        std::max(std::sqrt(pair.squared_distance) / unit_,
-                 pair.squared_distance > 0 ? std::numeric_limits<double>::denorm_min() : 0);
+    const bool touch = pair.squared_distance == 0 && triangles_meet(first.triangle, moved);
+    const double distance = touch ? 0
+                                  : std::max(std::sqrt(pair.squared_distance) / unit_,
+                                             std::numeric_limits<double>::denorm_min());
     if (!(distance <= farthest_)) return false;
     const auto order = [](double squared, TriangleId id_a, TriangleId id_b) {
         return std::tuple(squared, id_a, id_b);

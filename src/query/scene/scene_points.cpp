@@ -143,9 +143,10 @@ Status closest_features(const Scene& scene, std::span<const Vec3> points,
     begin_stage(execution.progress, "closest features", points.size());
     parallel_chunks(points.size(), scene_points_per_task, execution.threads,
                     [&](std::size_t first, std::size_t end) {
-                        if (is_cancelled(execution.progress)) return;
-                        for (std::size_t i = first; i < end; ++i)
+                        for (std::size_t i = first; i < end; ++i) {
+                            if (is_cancelled(execution.progress)) return;
                             answers[i] = closest_feature(scene, points[i], options);
+                        }
                         advance_stage(execution.progress, end - first);
                     });
     if (is_cancelled(execution.progress)) return cancelled("closest features");

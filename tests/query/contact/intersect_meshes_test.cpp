@@ -15,6 +15,9 @@
 
 #include <algorithm>
 #include <memory>
+#include <tuple>
+#include <utility>
+#include <vector>
 
 namespace proxima::intersect_meshes_test {
 namespace {
@@ -417,6 +420,30 @@ TEST(IntersectMeshes, BatchesAnswerLikeSinglePosesForAnyNumberOfThreads)
             return intersecting_pairs(a, b, poses, {.execution = {.progress = &progress}});
         },
         [] { return true; });
+}
+
+TEST(IntersectMeshes, MeetsWhatItMeetsHoweverLargeMeshesAre)
+{
+    const auto index_of = [](std::vector<Vec3> corners) {
+        return build_mesh_index(mesh_of(std::move(corners), {{0, 1, 2}})).value();
+    };
+    const MeshIndex needle = index_of({Vec3(0, 1, -1), Vec3(0, 1, 1), Vec3(0, 1, 1)});
+    const MeshIndex beside = index_of({Vec3(0, 1, 1), Vec3(0, 1, 2), Vec3(0, 1, 2)});
+    const MeshIndex at_corner = index_of({Vec3(0, 1, 0), Vec3(0, 2, 0), Vec3(0, 2, 1)});
+    for (const double size : {1.0, 1e100, 1e301, 2.2e301, 1e303, 4e307}) {
+        SCOPED_TRACE(::testing::Message() << "size " << size);
+        const MeshIndex large =
+            index_of({Vec3(-2 * size, 0, 0), Vec3(2 * size, 0, 0), Vec3(0, 2 * size, 0)});
+        const MeshIndex corner = index_of({Vec3(size, 0, 0), Vec3(0, 1, 0), Vec3(0, 0, 1)});
+        for (const auto& [a, b, meet] :
+             {std::tuple(&large, &needle, true), std::tuple(&large, &beside, false),
+              std::tuple(&corner, &at_corner, true)}) {
+            EXPECT_EQ(meshes_intersect(*a, *b), meet);
+            EXPECT_EQ(meshes_intersect(*b, *a), meet);
+            EXPECT_EQ(find_meeting(*a, *b).has_value(), meet);
+            EXPECT_EQ(intersecting_pairs(*a, *b, RigidTransform()).size(), meet ? 1U : 0U);
+        }
+    }
 }
 
 } // namespace

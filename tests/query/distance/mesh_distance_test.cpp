@@ -428,6 +428,23 @@ TEST(MeshDistance, IsRightAtAnyDistance)
     EXPECT_EQ(apart(1e-310, -3e-310).distance, 1e-310);
 }
 
+TEST(MeshDistance, IsNeverZeroApartHoweverNear)
+{
+    for (const double size : {1.0, 1e100, 1e150, 1e300}) {
+        for (const double height : {1.0, 1e-100, 1e-200, 1e-300, 5e-324}) {
+            SCOPED_TRACE(::testing::Message() << "size " << size << " height " << height);
+            const MeshIndex floor = index_of(testing::mesh_of(
+                {Vec3(-size, -size, 0), Vec3(size, -size, 0), Vec3(0, size, 0)}, {{0, 1, 2}}));
+            const MeshIndex point = index_of(testing::mesh_of({Vec3(0, 0, height)}, {{0, 0, 0}}));
+            const auto found = mesh_distance(floor, point);
+            ASSERT_TRUE(found);
+            EXPECT_GT(found->distance, 0);
+            EXPECT_LE(found->distance, height * (1 + 1e-15));
+            EXPECT_GT(mesh_distance(point, floor)->distance, 0);
+        }
+    }
+}
+
 TEST(MeshDistance, FindsNothingForAnEmptyMesh)
 {
     const MeshIndex cube = index_of(cube_mesh(Vec3::Zero(), 1.0));
