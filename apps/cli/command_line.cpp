@@ -151,7 +151,7 @@ std::string describe_empty(std::span<char* const> arguments)
 {
     for (std::size_t i = 1; i < arguments.size(); ++i) {
         const std::string_view argument = arguments[i];
-        if (argument.starts_with("--") && argument.ends_with("="))
+        if (argument.starts_with("--") && argument.find('=') == argument.size() - 1)
             return fmt::format("{} has an empty value", argument);
         if (argument.empty())
             return fmt::format("the argument after {} is empty",
