@@ -8,6 +8,7 @@ from pathlib import Path
 
 PROXIMA, PROGRAM, MPIRUN = (os.environ[name] for name in ("PROXIMA", "PROXIMA_MPI", "MPIRUN"))
 SECONDS = 200
+SESSIONS = tempfile.TemporaryDirectory()  # removed when the program ends
 
 
 def command(ranks, *arguments):
@@ -15,7 +16,9 @@ def command(ranks, *arguments):
     # Containers forbid the copies between processes that Open MPI would make by a system call; and it starts in less time with the
     # components alone that ranks on one machine need.
     options = {"btl_vader_single_copy_mechanism": "none", "pml": "ob1", "btl": "self,vader", "osc": "pt2pt", "coll": "tuned,basic,libnbc,self,inter",
-               "plm": "isolated"}
+               "plm": "isolated",
+               # A run that ends removes the folder that all runs of a user share, while another one makes its own in it.
+               "orte_tmpdir_base": tempfile.mkdtemp(dir=SESSIONS.name)}
     words = [word for option in options.items() for word in ("--mca", *option)]
     return [MPIRUN, *root, *words, "--oversubscribe", "-n", str(ranks), PROGRAM, *map(str, arguments)]
 
