@@ -1,5 +1,6 @@
 // Feeds files with right checksums and any content to the octree loader, walks through what it
-// accepts, along rays, too, and asks which cells a camera sees. Seeds are made by: proxima octree cube --depth 2 --save fuzz/corpus/octree/cube.pxo
+// accepts, along rays, too, and asks which cells a camera sees.
+// Seeds are made by: proxima octree cube --depth 2 --save fuzz/corpus/octree/cube.pxo
 #include "base/binary_file.h"
 #include "exact_copy.h"
 #include "proxima/cells_along_ray.h"
