@@ -213,9 +213,12 @@ void add_camera_options(CLI::App& parser, CameraChoice& choice, const std::strin
 void add_picture_options(CLI::App& parser, std::string& picture, CameraChoice& choice,
                          const std::string& words)
 {
-    parser.add_option("--picture", picture, concat(words, ": .png"))->type_name("FILE");
+    CLI::Option* const file =
+        parser.add_option("--picture", picture, concat(words, ": .png"))->type_name("FILE");
     add_size_option(parser, choice.size, "the picture", most_canvas_pixels);
     add_camera_options(parser, choice, "the picture");
+    for (const char* name : {"--size", "--view", "--eye", "--target", "--up", "--fov"})
+        parser.get_option(name)->needs(file);
 }
 
 Status check_picture(const std::string& path, const CameraChoice& choice)

@@ -60,7 +60,8 @@ CLI::Option* add_direction_option(CLI::App& parser, const std::string& name,
 /// --view, --eye, --target, --up and --fov of the camera that `what` is seen by.
 void add_camera_options(CLI::App& parser, CameraChoice& choice, const std::string& what);
 
-/// --picture FILE, --size, and the options of the camera. `words` say what is drawn.
+/// --picture FILE, and what needs it: --size and the options of the camera. `words` say what is
+/// drawn.
 void add_picture_options(CLI::App& parser, std::string& picture, CameraChoice& choice,
                          const std::string& words);
 

@@ -310,7 +310,8 @@ struct OutputFile::State {
             return cancelled("writing", name.string());
         }
         if (error_number == 0) return {};
-        return not_writable(name, reason(error_number) + ": nothing was kept");
+        return not_writable(name, reason(error_number) +
+                                      (temporary.empty() ? "" : ": nothing of it was kept"));
     }
 };
 

@@ -412,6 +412,8 @@ class Parser(ProgramTest):
         self.refuse("compare", "cube", "--methods", "fast,,pairwise", status=2, says="--methods")
         self.refuse("tables", "--only", "9.9", status=2, says=("9.9", "2.1"))
         self.refuse("octree", "cube", "--threads", -1, status=2, says="--threads")
+        for option, value in (("--size", "10x10"), ("--view", "top"), ("--eye", "9,9,9"), ("--target", "0,0,0"), ("--up", "x"), ("--fov", 20)):
+            self.refuse("octree", "cube", option, value, status=2, says=f"{option} requires --picture")
 
 
 class Controls(ProgramTest):

@@ -440,6 +440,7 @@ TEST(OutputFileDevices, ReportsAFullDeviceAtTheLatestOnCommit)
     const auto status = file->commit();
     ASSERT_FALSE(status);
     EXPECT_EQ(status.error().code, ErrorCode::file_not_writable);
+    EXPECT_EQ(status.error().message.find("kept"), std::string::npos) << status.error().message;
 
     auto large = OutputFile::create("/dev/full");
     ASSERT_TRUE(large);
@@ -462,6 +463,7 @@ TEST_F(OutputFileTest, ReportsAFileSizeLimitWithoutDyingOfItsSignal)
         (void)file->write(std::string(1'000'000, 'x'));
         const auto status = file->commit();
         if (status || status.error().code != ErrorCode::file_not_writable) ::_exit(2);
+        if (!status.error().message.ends_with("nothing of it was kept")) ::_exit(4);
         ::_exit(entries() == 0 ? 0 : 3);
     }
     int status = 0;

@@ -67,7 +67,7 @@ public:
         arrays_.winding = stored_->winding.view();
     }
 
-    /// By triangle id, not all doubtful. \pre winding numbers were taken
+    /// By triangle id. \pre winding numbers were taken
     void take_sides(std::span<const SurfaceSides> of_triangles, Threads threads)
     {
         stored_->sides.resize(of_triangles.size());
@@ -197,9 +197,7 @@ Result<MeshIndex> with_signs(const MeshIndex& index, const SignOptions& options)
 
     SignBuilder builder(index.parts(), *mesh, *topology);
     builder.take_winding(std::move(*winding).release());
-    const bool all_doubtful =
-        std::ranges::all_of(*sides, [](SurfaceSides s) { return s == SurfaceSides::doubtful; });
-    if (!all_doubtful) builder.take_sides(*sides, execution.threads);
+    if (!sides->empty()) builder.take_sides(*sides, execution.threads);
     return builder.result();
 }
 

@@ -359,9 +359,8 @@ Result<std::vector<SurfaceSides>> find_surface_sides(const MeshIndex& index,
                                                      const Topology& topology,
                                                      const SurfaceSidesOptions& options)
 {
-    std::vector<SurfaceSides> sides(mesh.triangle_count(), SurfaceSides::doubtful);
     const auto uses = detail::edge_uses(mesh, topology);
-    if (!is_balanced(uses)) return sides;
+    if (!is_balanced(uses)) return std::vector<SurfaceSides>();
     const auto contacts = find_contacts(index.parts(), mesh, clearance_of(mesh), options);
     if (!contacts) return tl::unexpected(contacts.error());
     Patches patches = find_patches(mesh, topology, uses, *contacts);
@@ -379,6 +378,7 @@ Result<std::vector<SurfaceSides>> find_surface_sides(const MeshIndex& index,
                     });
     if (is_cancelled(options.execution.progress))
         return cancelled("finding the sides of the surface");
+    std::vector<SurfaceSides> sides(mesh.triangle_count(), SurfaceSides::doubtful);
     for (std::uint32_t i = 0; i < mesh.triangle_count(); ++i) {
         const std::uint32_t patch = patches.of_triangle[i];
         if (patch != Patches::none) sides[i] = patches.items[patch].sides;

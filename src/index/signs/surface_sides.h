@@ -1,7 +1,7 @@
 // What lies on the two sides of each triangle: whether the surface separates inside from outside
 // there, inside being where the winding number is at least 1/2.
 //
-//     every edge has as many triangles one way as the other      else all are doubtful
+//     every edge has as many triangles one way as the other      else nothing is known
 //     triangles that meet others but at vertices and edges that they share by id are doubtful
 //     patch: other triangles, connected by edges of two: the winding number in front of it is the
 //     same all over, for no surface passes through, and one more behind it
@@ -30,6 +30,8 @@ struct SurfaceSidesOptions {
 
 /// The sides of every triangle, by id; doubtful for those without an area, and for those that meet
 /// others or all but do: within 2^-45 of the mesh's size, or at an edge under less than 1/1000.
+/// Empty where some edge has more triangles one way than the other: then winding numbers are not
+/// whole.
 /// About 2 us per triangle of a closed mesh and 10 per patch. The same for any number of threads.
 /// Error: cancelled. \pre index and topology are the mesh's
 [[nodiscard]] Result<std::vector<SurfaceSides>>

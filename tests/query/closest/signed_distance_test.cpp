@@ -266,6 +266,43 @@ TEST(SignedDistance, OfManyPartsThatMeetOrNestIsExact)
     }
 }
 
+TEST(SignedDistance, IsExactWhereEveryTriangleOfAClosedSurfaceMeetsAnother)
+{
+    // Two tetrahedra that are needles a trillionth as thick as they are long, with an edge in common
+    // and through each other. Near the edge no sum of solid angles in doubles tells.
+    constexpr unsigned seed = 29;
+    std::mt19937 random(seed);
+    std::uniform_real_distribution<double> part(-1, 1);
+    const auto near_origin = [&] {
+        return Vec3(1e-16 * Vec3(part(random), part(random), part(random)));
+    };
+    int told = 0;
+    for (int mesh = 0; mesh < 20; ++mesh) {
+        const Signed of(mesh_of({Vec3(-1, -1, -1), Vec3(4e-12, 0, -1), near_origin(), near_origin(),
+                                 near_origin(), near_origin()},
+                                {{0, 1, 2},
+                                 {0, 3, 1},
+                                 {1, 3, 2},
+                                 {2, 3, 0},
+                                 {1, 3, 4},
+                                 {1, 5, 3},
+                                 {3, 5, 4},
+                                 {4, 5, 1}}));
+        if (!std::ranges::all_of(of.arrays().sides,
+                                 [](SurfaceSides s) { return s == SurfaceSides::doubtful; }))
+            continue;
+        for (int i = 0; i < 50; ++i) {
+            const Vec3 p(1e-20 * part(random), 1e-20 * part(random), -0.5 + 0.5 * part(random));
+            const auto winding = oracle::exact_winding(of.mesh, p);
+            if (!winding || of.at(p).distance == 0) continue;
+            EXPECT_EQ(of.at(p).distance < 0, *winding >= 1)
+                << "seed " << seed << ", mesh " << mesh << ": " << p.transpose();
+            ++told;
+        }
+    }
+    EXPECT_GT(told, 300);
+}
+
 TEST(SignedDistance, AcceptsPartsThatShareAVertex)
 {
     // Two cubes that are one vertex in the file: both separate, one star of twelve triangles.
