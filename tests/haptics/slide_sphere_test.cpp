@@ -269,6 +269,44 @@ TEST(SlideSphere, DoesNotPassNearlyFlatValleys)
     EXPECT_EQ(failures, 0);
 }
 
+// As coordinates of six digits give flat faces: strokes along one face into the next, which rises by
+// so little that rounding tells the place where its plane is met only to many times the gap.
+TEST(SlideSphere, DoesNotPassSeamsThatRoundingBends)
+{
+    constexpr unsigned seed = 13;
+    std::mt19937 random(seed);
+    std::uniform_real_distribution<double> number(-1, 1);
+    int failures = 0;
+    for (int trial = 0; trial < 20000; ++trial) {
+        const double rise = std::pow(10.0, -6.5 + 2 * number(random));
+        const Vec3 axis = Vec3{number(random), number(random), number(random)}.normalized();
+        const Mat3 turn = Eigen::AngleAxisd(3 * number(random), axis).toRotationMatrix();
+        const auto at = [&](double x, double y, double z) { return Vec3(turn * Vec3(x, y, z)); };
+        const TriangleMesh mesh =
+            testing::mesh_of({at(0, -1, 0), at(0, 1, 0), at(1, 0.3 * number(random), rise),
+                              at(-1, 0.3 * number(random), 0)},
+                             {{0, 2, 1}, {1, 3, 0}});
+        const MeshContactSurface surface(mesh);
+        Proxy proxy(surface, {});
+        const double y = 0.2 * number(random);
+        const double from = -0.16 + 0.15 * number(random);
+        const double to = 0.16 + 0.15 * number(random);
+        proxy.place(at(from, y, 0.05));
+        Vec3 last = at(from, y, 0.05);
+        const int ticks = 2 + trial % 4;
+        for (int tick = 0; tick < ticks; ++tick) {
+            const double part = tick / (ticks - 1.0);
+            proxy.follow(at(from + part * (to - from), y + 0.2 * part * number(random), -0.05));
+            for (const Vec3& place : proxy.path()) {
+                failures += passes(mesh, last, place) ? 1 : 0;
+                last = place;
+            }
+        }
+        EXPECT_GT((turn.transpose() * last).z(), 0) << "seed " << seed << ", trial " << trial;
+    }
+    EXPECT_EQ(failures, 0) << "seed " << seed;
+}
+
 TEST(SlideSphere, DoesNotAllocate)
 {
     const TriangleMesh mesh = *sample_mesh("torus:24x12");

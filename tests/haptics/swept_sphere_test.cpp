@@ -13,6 +13,8 @@
 namespace proxima::swept_sphere_test {
 namespace {
 
+constexpr double tolerance = 0x1p-42;
+
 double distance(const Triangle& triangle, const Vec3& p)
 {
     return (closest_point(triangle, p).point - p).norm();
@@ -48,7 +50,7 @@ TEST(SweptSphere, AgreesWithSmallSteps)
         const Vec3 motion =
             seed % 4 < 2 ? Vec3(2 * anywhere()) : Vec3(triangle[0] - p + 0.4 * anywhere());
         if (distance(triangle, p) <= radius + 1e-6) continue;
-        const auto t = touch_time(triangle, radius, p, motion);
+        const auto t = touch_time(triangle, radius, p, motion, tolerance);
         const auto expected = time_by_steps(triangle, radius, p, motion);
         if (t) {
             EXPECT_NEAR(distance(triangle, p + *t * motion), radius, 1e-9) << "seed " << seed;
@@ -96,7 +98,7 @@ TEST(SweptSphere, RejectsMotionsBeyondThePlaneOfTheTriangle)
             ++beyond;
             for (int i = 0; i <= 50; ++i)
                 EXPECT_GT(distance(triangle, p + i * 0.02 * motion), radius - 1e-15) << seed;
-            EXPECT_FALSE(touch_time(triangle, radius, p, motion)) << seed;
+            EXPECT_FALSE(touch_time(triangle, radius, p, motion, tolerance)) << seed;
         }
         // Gone along: no need to look closer.
         const bool plump = seed % 5 != 0 && scaled_normal(triangle).norm() > 0.1;
@@ -127,7 +129,7 @@ TEST(SweptSphere, IsNotTouchedBeforeItsLowerBound)
         if (distance(triangle, p) <= radius) continue;
         const double least = least_touch_time(triangle, radius, p, motion);
         EXPECT_GE(least, 0) << "seed " << seed;
-        const auto t = touch_time(triangle, radius, p, motion);
+        const auto t = touch_time(triangle, radius, p, motion, tolerance);
         if (t) {
             ASSERT_LE(least, *t) << "seed " << seed;
             close += *t - least < 0.2 ? 1 : 0;
@@ -162,7 +164,7 @@ TEST(SweptSphere, IsExactForARadiusOfABillionth)
         const double radius = 0x1p-30;
         if (distance(triangle, p) < 1e-3) continue;
         const Vec3 motion = 1.5 * (on - p);
-        const auto t = touch_time(triangle, radius, p, motion);
+        const auto t = touch_time(triangle, radius, p, motion, tolerance);
         ASSERT_TRUE(t) << "seed " << seed;
         EXPECT_NEAR(distance(triangle, p + *t * motion), radius, 1e-14) << "seed " << seed;
         ++hits;

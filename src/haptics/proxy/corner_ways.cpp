@@ -20,6 +20,8 @@ constexpr double lift = 0x1p-9;
 
 /// How near a way comes to triangles, in gaps.
 constexpr double least_room = 0.125;
+/// The part of that which rounding may take: a gap is at least 16 times as thick as a skin.
+constexpr double rounding_part = 0.25;
 
 double distance_to(const Triangle& triangle, const Vec3& p) noexcept
 {
@@ -111,7 +113,8 @@ private:
     [[nodiscard]] bool is_free(const Vec3& motion) const noexcept
     {
         const auto is_met = [&](const CornerTriangle& near) {
-            return touch_time(near.corners, least_room * gap_, p_, motion).has_value();
+            const double least = least_room * gap_;
+            return touch_time(near.corners, least, p_, motion, rounding_part * least).has_value();
         };
         const auto is_close = [&](const CornerTriangle& near) {
             return !(distance_to(near.corners, p_ + motion) > gap_);

@@ -321,7 +321,7 @@ private:
         // The motion leaves its contacts or slides along them. But of several contacts at one point
         // only one is kept, and the motion may enter another face that is almost coplanar.
         const double least = scratch_.contacts_.has(near.id) ? radius_ - 4 * skin_ : radius_;
-        const auto t = touch_time(near.corners, least, result_.center, motion);
+        const auto t = touch_time(near.corners, least, result_.center, motion, skin_);
         if (t && *t < free) free = *t;
     }
 

@@ -114,7 +114,7 @@ private:
                     continue;
                 }
             }
-            const auto t = touch_time(triangle.corners, radius_, begin, motion);
+            const auto t = touch_time(triangle.corners, radius_, begin, motion, skin_);
             if (!t || *t > first || (*t == first && wall->id < triangle.id)) continue;
             first = *t;
             wall = &triangle;

@@ -1,5 +1,6 @@
 #include "haptics/surface/swept_sphere.h"
 
+#include "geometry/closest_point.h"
 #include "geometry/exact_predicates.h"
 
 #include <algorithm>
@@ -33,7 +34,7 @@ bool is_well_shaped(const Triangle& triangle, double squared) noexcept
     constexpr double least_share = 0x1p-16;
     return squared > least_share * (triangle[1] - triangle[0]).squaredNorm() *
                          (triangle[2] - triangle[0]).squaredNorm() &&
-           squared > 1e-280;
+           squared > 1e-280 && squared < 1e280;
 }
 
 bool is_above(const Triangle& triangle, const Vec3& normal, const Vec3& x) noexcept
@@ -60,6 +61,84 @@ double side_time(const Vec3& from, const Vec3& to, double radius, const Vec3& p,
     const double along = start + t * pace;
     if (!(along >= 0 && along <= 1)) return never;
     return t;
+}
+
+/// A path of a sphere's centre and a triangle, looked at until `last` <= 1.
+struct Passage {
+    const Triangle& triangle;
+    const Vec3& p;
+    const Vec3& motion;
+    double last;
+
+    [[nodiscard]] double distance_at(double t) const noexcept
+    {
+        const Vec3 center = p + t * motion;
+        return (center - closest_point(triangle, center).point).norm();
+    }
+};
+
+/// Whether the path stays on one side of the plane, nowhere nearer to it than `least`.
+bool stays_above(double height, double rise, double last, double least) noexcept
+{
+    const double end = height + last * rise;
+    return (height > 0) == (end > 0) && std::abs(height) >= least && std::abs(end) >= least;
+}
+
+/// Whether all of the path that is no farther than `least` from the plane lies beyond one side of the
+/// triangle by more than that.
+bool passes_beside(const Passage& passage, const Vec3& normal, double height, double rise,
+                   double least) noexcept
+{
+    double from = 0;
+    double to = passage.last;
+    if (rise != 0) {
+        const double a = (-least - height) / rise;
+        const double b = (least - height) / rise;
+        from = std::clamp(std::min(a, b), from, to);
+        to = std::clamp(std::max(a, b), from, to);
+    }
+    for (int k = 0; k < 3; ++k) {
+        const Vec3& corner = passage.triangle[k];
+        const Vec3 side = passage.triangle[(k + 1) % 3] - corner;
+        const Vec3 outward = side.cross(normal);
+        const double start = outward.dot(passage.p - corner);
+        const double pace = outward.dot(passage.motion);
+        if (std::min(start + from * pace, start + to * pace) > least * side.norm()) return true;
+    }
+    return false;
+}
+
+/// A time at which the centre is nearest to the triangle. Its distance is a convex function of time.
+double nearest_time(const Passage& passage, double height, double rise) noexcept
+{
+    double best = passage.last;
+    double least = passage.distance_at(best);
+    const auto offer = [&](double t) {
+        if (!(t >= 0 && t < passage.last)) return;
+        const double distance = passage.distance_at(t);
+        if (!(distance < least)) return;
+        least = distance;
+        best = t;
+    };
+    offer(-height / rise); // no number where it does not rise
+    const Segment path{passage.p, passage.p + passage.last * passage.motion};
+    for (int k = 0; k < 3; ++k) {
+        const Segment side{passage.triangle[k], passage.triangle[(k + 1) % 3]};
+        offer(passage.last * closest_points(path, side).first.t);
+    }
+    return best;
+}
+
+/// The last time before `near` at which the centre is no nearer than `least`. \pre at 0 it is not
+double last_free_time(const Passage& passage, double near, double least) noexcept
+{
+    constexpr int halvings = 40;
+    double free = 0;
+    for (int i = 0; i < halvings; ++i) {
+        const double middle = 0.5 * (free + near);
+        (passage.distance_at(middle) >= least ? free : near) = middle;
+    }
+    return free;
 }
 
 } // namespace
@@ -109,7 +188,7 @@ double least_touch_time(const Triangle& triangle, double distance, const Vec3& p
 }
 
 std::optional<double> touch_time(const Triangle& triangle, double radius, const Vec3& p,
-                                 const Vec3& motion) noexcept
+                                 const Vec3& motion, double tolerance) noexcept
 {
     const TrianglePlane plane(triangle);
     // For most triangles the whole path is on one side of the offset planes.
@@ -132,8 +211,18 @@ std::optional<double> touch_time(const Triangle& triangle, double radius, const 
         first = std::min(first, side_time(corner, triangle[(k + 1) % 3], radius, p, motion));
         first = std::min(first, entry_time(p - corner, motion, radius));
     }
-    if (first == never) return std::nullopt;
-    return first;
+    // At a grazing angle the place where the plane is met is off by rounding over that angle, more
+    // than the face may begin beyond a side that is not touched either. So look whether the centre
+    // comes too near until then.
+    const Passage passage{triangle, p, motion, first == never ? 1.0 : first};
+    const auto found = first == never ? std::nullopt : std::optional(first);
+    if (stays_above(height, rise, passage.last, radius - 0.5 * tolerance)) return found;
+    if (!found && passes_beside(passage, normal, height, rise, radius + tolerance)) return found;
+    const double least = std::min(radius, passage.distance_at(0)) - tolerance;
+    if (found && passage.distance_at(first) >= least) return found;
+    const double near = nearest_time(passage, height, rise);
+    if (passage.distance_at(near) >= least) return found;
+    return last_free_time(passage, near, least + 0.5 * tolerance);
 }
 
 } // namespace proxima

@@ -45,9 +45,13 @@ private:
 [[nodiscard]] double least_touch_time(const Triangle& triangle, double distance, const Vec3& p,
                                       const Vec3& motion) noexcept;
 
-/// The first t at which the sphere touches, or nothing. noexcept, no allocation, 5 to 50 ns.
-/// \pre at t = 0 the centre is farther than the radius; radius > 0
+/// The first t at which the sphere touches, or nothing. Until then, or until the end of the motion,
+/// the centre comes no nearer than the radius or the distance at t = 0, whichever is less, but for
+/// the tolerance. So it passes no triangle, whatever is rounded. noexcept, no allocation, 5 to 50 ns,
+/// some microseconds where rounding leaves it in doubt.
+/// \pre radius > tolerance; the tolerance is more than the rounding of coordinates, some 2^-46 of them
 [[nodiscard]] std::optional<double> touch_time(const Triangle& triangle, double radius,
-                                               const Vec3& p, const Vec3& motion) noexcept;
+                                               const Vec3& p, const Vec3& motion,
+                                               double tolerance) noexcept;
 
 } // namespace proxima
