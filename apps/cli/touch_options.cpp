@@ -179,6 +179,7 @@ SurfaceMaterial usual_material(const TouchCommandOptions& options)
 
 Status check_options(const TouchCommandOptions& options)
 {
+    if (Status status = check_effects_differ(options.objects.textures); !status) return status;
     const auto refuse = [&](std::span<const char* const> names, const char* why) -> Status {
         const auto found =
             std::ranges::find_if(names, [&](const char* name) { return options.is_given(name); });

@@ -5,9 +5,11 @@
 #include "cli/names.h"
 #include "haptics/surface/height_field.h"
 
+#include <algorithm>
 #include <array>
 #include <fmt/core.h>
 #include <nlohmann/json.hpp>
+#include <map>
 #include <optional>
 #include <utility>
 #include <vector>
@@ -18,11 +20,11 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr std::array<std::pair<std::string_view, BumpShape>, 4> bump_names = {
-    {{"grating", BumpShape::grating},
-     {"dimples", BumpShape::dimples},
-     {"noise", BumpShape::noise},
-     {"image", BumpShape::image}}};
+using BumpName = std::pair<std::string_view, BumpShape>;
+constexpr std::array<BumpName, 4> bump_names = {{{"grating", BumpShape::grating},
+                                                 {"dimples", BumpShape::dimples},
+                                                 {"noise", BumpShape::noise},
+                                                 {"image", BumpShape::image}}};
 
 std::string_view name_of(BumpShape shape) noexcept
 {
@@ -139,6 +141,29 @@ Status check_effect(std::string_view text)
         texture.bump.image = *build_height_image(std::array{1.0F}, 1); // for the file's
     if (const Status status = check_texture(texture); !status)
         return fail(status.error().code, concat("'", text, "': ", status.error().message));
+    return {};
+}
+
+Status check_effects_differ(std::span<const std::string> texts)
+{
+    std::map<std::pair<std::string_view, std::string_view>, std::string_view> first;
+    for (const std::string_view text : texts) {
+        const std::string_view effect = effect_of(text);
+        const std::string_view name = effect.substr(0, effect.find(':'));
+        const bool is_bump =
+            std::ranges::find(bump_names, name, &BumpName::first) != bump_names.end();
+        const std::string_view object = text.substr(0, text.size() - effect.size());
+        const auto [earlier, is_new] =
+            first.emplace(std::pair(object, is_bump ? "bump" : name), text);
+        if (!is_new) {
+            return fail(
+                ErrorCode::invalid_argument,
+                concat("'", text, "' would take the place of '", earlier->second,
+                       "': a surface has one of grating, dimples, noise and image, and one of "
+                       "each other effect"),
+                "--texture");
+        }
+    }
     return {};
 }
 

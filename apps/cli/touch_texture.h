@@ -32,6 +32,10 @@ using TextureImages = std::map<std::string, HeightImage>;
 /// invalid_argument.
 [[nodiscard]] Status check_effect(std::string_view text);
 
+/// Whether no effect comes in place of an earlier one of the same values, of all or of one object.
+/// \pre check_effect() takes them. Error invalid_argument.
+[[nodiscard]] Status check_effects_differ(std::span<const std::string> texts);
+
 /// Reads each image once that the values name. \pre check_effect() takes them. Errors: those of
 /// read_height_image.
 [[nodiscard]] Result<TextureImages> read_texture_images(std::span<const std::string> texts,

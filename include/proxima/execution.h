@@ -16,7 +16,7 @@
 
 namespace PROXIMA_EXPORT proxima {
 
-/// How many threads an operation may use. 0 = all that the machine offers.
+/// How many threads an operation may use, 1024 at most. 0 = all that the machine offers.
 struct Threads {
     int count = 0;
 };

@@ -105,8 +105,8 @@ struct ListOptions {
     double margin = 0.5; ///< root edge = (1 + margin) times the mesh's longest extent; 0 to
                          ///< max_list_margin
     int max_depth = max_list_depth;
-    /// Budget: lists and scratch. Refused before the work if below 800 bytes per triangle; with the
-    /// usual list_bytes it takes 1.5 to 3 KB, with larger lists 3 to 7 times their size.
+    /// Budget: lists and scratch. Refused before the work if below list_bytes and 800 bytes per
+    /// triangle; the work takes up to twice that.
     Execution execution = {};
 };
 

@@ -1,5 +1,6 @@
 #include "base/parallel.h"
 
+#include <algorithm>
 #include <optional>
 #include <tbb/global_control.h>
 #include <tbb/info.h>
@@ -21,6 +22,9 @@
 namespace proxima {
 
 namespace {
+
+/// oneTBB ends the process, or hangs, where the system gives no more threads.
+constexpr int most_threads = 1024;
 
 // The sanitizer cannot see into the uninstrumented thread library: these tell it that work handed
 // over happens after the hand-over, and the caller goes on after all work. The flags have fixed
@@ -46,13 +50,15 @@ void acquire([[maybe_unused]] char* flag)
 
 int thread_count(Threads threads) noexcept
 {
-    return threads.count > 0 ? threads.count : tbb::this_task_arena::max_concurrency();
+    return threads.count > 0 ? std::min(threads.count, most_threads)
+                             : tbb::this_task_arena::max_concurrency();
 }
 
 void parallel_for(std::size_t count, Threads allowed, FunctionRef<void(std::size_t)> body)
 {
-    const int threads = thread_count(allowed);
-    if (threads <= 1 || count <= 1) {
+    const auto threads = static_cast<int>(
+        std::min<std::size_t>(static_cast<std::size_t>(thread_count(allowed)), count));
+    if (threads <= 1) {
         for (std::size_t index = 0; index < count; ++index) body(index);
         return;
     }

@@ -1,8 +1,12 @@
 #include "c/handles.h"
 
+#include <algorithm>
+#include <cstdint>
 #include <exception>
 #include <new>
+#include <stdexcept>
 #include <string>
+#include <utility>
 
 namespace proxima::c {
 namespace {
@@ -34,7 +38,9 @@ static_assert(sizeof(Vec3) == 3 * sizeof(double) && alignof(Vec3) == alignof(dou
 proxima_status failed(const Error& error) noexcept
 {
     return guarded([&] {
-        keep(describe(error));
+        std::string line = describe(error);
+        std::ranges::replace(line, '\n', ' '); // of a file's name
+        keep(std::move(line));
         return static_cast<proxima_status>(static_cast<int>(error.code) + 1);
     });
 }
@@ -45,6 +51,9 @@ proxima_status failed_by_exception() noexcept
         throw;
     } catch (const std::bad_alloc&) {
         keep("out of memory");
+        return PROXIMA_OUT_OF_MEMORY;
+    } catch (const std::length_error&) {
+        keep("a count is larger than any memory");
         return PROXIMA_OUT_OF_MEMORY;
     } catch (const std::exception&) {
         keep("an error that the library did not expect");
@@ -66,8 +75,9 @@ Execution execution_of(const proxima_execution* execution) noexcept
             .budget = {execution->budget_bytes}};
 }
 
-std::span<const Vec3> points_of(const double* points, std::size_t count) noexcept
+std::span<const Vec3> points_of(const double* points, std::size_t count)
 {
+    if (count > std::size_t{PTRDIFF_MAX} / sizeof(Vec3)) throw std::length_error("points");
     // NOLINTNEXTLINE(cppcoreguidelines-pro-type-reinterpret-cast): asserted above
     return {reinterpret_cast<const Vec3*>(points), count};
 }

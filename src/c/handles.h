@@ -80,8 +80,9 @@ inline void copy_to(double* numbers, const Vec3& vector) noexcept
     for (int i = 0; i < 3; ++i) numbers[i] = vector[i];
 }
 
-/// `count` packed points as the library takes them.
-std::span<const Vec3> points_of(const double* points, std::size_t count) noexcept;
+/// `count` packed points as the library takes them. Throws std::length_error where they are more than
+/// there can be.
+std::span<const Vec3> points_of(const double* points, std::size_t count);
 
 /// Error invalid_argument where the matrix is not rigid; NULL is the identity.
 Result<RigidTransform> pose_of(const double* matrix);

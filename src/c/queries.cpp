@@ -94,12 +94,6 @@ std::span<const Ray> rays_of(const proxima_ray* rays, std::size_t count)
     return {reinterpret_cast<const Ray*>(rays), count};
 }
 
-template <class T>
-std::span<T> output(T* array, std::size_t count)
-{
-    return array != nullptr ? std::span<T>(array, count) : std::span<T>();
-}
-
 } // namespace
 
 proxima_status proxima_closest_feature(const proxima_index* index, const double point[3],
@@ -118,18 +112,21 @@ proxima_status proxima_closest_features(const proxima_index* index, const double
 {
     if (any_null(index) || (count > 0 && any_null(points))) return PROXIMA_INVALID_ARGUMENT;
     return guarded([&] {
+        // An error must leave the caller's arrays as they are.
         std::vector<ClosestFeature> answers(closest != nullptr ? count : 0);
+        std::vector<double> squared(squared_distances != nullptr ? count : 0);
         std::vector<TriangleId> ids(triangles != nullptr ? count : 0);
-        const Status done = closest_features(index->index, points_of(points, count),
-                                             {.answers = answers,
-                                              .squared_distances = output(squared_distances, count),
-                                              .triangles = ids},
-                                             {.execution = execution_of(execution)});
+        const Status done =
+            closest_features(index->index, points_of(points, count),
+                             {.answers = answers, .squared_distances = squared, .triangles = ids},
+                             {.execution = execution_of(execution)});
+        if (!done) return failed(done.error());
+        std::copy(squared.begin(), squared.end(), squared_distances);
         std::transform(answers.begin(), answers.end(), closest,
                        [](const ClosestFeature& answer) { return converted(answer); });
         std::transform(ids.begin(), ids.end(), triangles,
                        [](TriangleId id) { return to_index(id); });
-        return status_of(done);
+        return PROXIMA_OK;
     });
 }
 
@@ -150,9 +147,13 @@ proxima_status proxima_signed_distances(const proxima_index* index, const double
     if (any_null(index) || (count > 0 && any_null(points, distances)))
         return PROXIMA_INVALID_ARGUMENT;
     return guarded([&] {
-        return status_of(signed_distances(index->index, points_of(points, count),
-                                          {.distances = output(distances, count)},
-                                          {.execution = execution_of(execution)}));
+        std::vector<double> found(count);
+        const Status done =
+            signed_distances(index->index, points_of(points, count), {.distances = found},
+                             {.execution = execution_of(execution)});
+        if (!done) return failed(done.error());
+        std::copy(found.begin(), found.end(), distances);
+        return PROXIMA_OK;
     });
 }
 

@@ -167,6 +167,8 @@ proxima_status proxima_fit_workspace(const double lower[3], const double upper[3
     if (!(workspace_radius > 0) || !std::isfinite(workspace_radius))
         return refused("the workspace's radius is not above 0 and finite");
     const WorkspaceMap map = fit_workspace({vector_of(lower), vector_of(upper)}, workspace_radius);
+    if (!std::isfinite(map.units_per_metre))
+        return refused("the box is too large for the workspace: scale it down");
     workspace->units_per_metre = map.units_per_metre;
     copy_to(workspace->center, map.center);
     return PROXIMA_OK;

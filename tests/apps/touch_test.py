@@ -148,6 +148,8 @@ class Touching(ProgramTest):
         self.assertEqual(plain["texture_report"], {"slips": 0, "taps": 0, "most_given": 0, "damped_ticks": 0})
         report = self.json_of(*session, "--texture", "noise:0.0001,0.003", "--texture", "viscosity:1", "--texture",
                               "stick-slip:150,0.3", "--texture", "tap:2,200,100", "--record", recording)
+        for first, second in (("grating:0.0001,0.003", "noise:0.0001,0.003"), ("tap:2", "tap:2"), ("0=dimples:0.0001,0.003", "0=noise:0.0001,0.003")):
+            self.refuse(*session, "--texture", first, "--texture", second, says=(first, second, "take the place of"))
         texture = report["texture"]
         self.assertEqual((texture["bump"], texture["wavelength"], texture["viscosity"]), ("noise", 0.003, 1))
         self.assertEqual((texture["stick_slip_stiffness"], texture["stick_slip_max_force"]), (150, 0.3))

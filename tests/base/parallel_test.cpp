@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <limits>
 #include <numeric>
 #include <vector>
 
@@ -17,6 +18,16 @@ TEST(ParallelFor, CallsEveryIndexOnceForAnyThreadCount)
         EXPECT_EQ(calls, std::vector<int>(1000, 1)) << threads << " threads";
     }
     EXPECT_GE(thread_count({}), 1);
+}
+
+TEST(ParallelFor, TakesAnyNumberOfThreads)
+{
+    for (const int threads : {1025, 100'000, 1 << 30, std::numeric_limits<int>::max()}) {
+        EXPECT_LE(thread_count({threads}), 1024);
+        std::vector<int> calls(300, 0);
+        parallel_for(calls.size(), {threads}, [&](std::size_t index) { ++calls[index]; });
+        EXPECT_EQ(calls, std::vector<int>(300, 1)) << threads << " threads";
+    }
 }
 
 TEST(ParallelFor, OneThreadKeepsTheOrder)

@@ -85,6 +85,7 @@ static void test_meshes(const char* folder)
     CHECK(proxima_mesh_sample("icosphere:2", &mesh) == PROXIMA_OK && proxima_mesh_triangle_count(mesh) == 320);
     proxima_mesh_destroy(mesh);
     REFUSES(proxima_mesh_sample("teapot", &mesh), PROXIMA_INVALID_ARGUMENT, "teapot");
+    REFUSES(proxima_mesh_sample("tea\npot", &mesh), PROXIMA_INVALID_ARGUMENT, "tea pot");
 
     const uint32_t beyond[] = {0, 1, 6};
     REFUSES(proxima_mesh_create(octahedron, 6, beyond, 1, &mesh), PROXIMA_INVALID_MESH, "triangle 0 uses vertex 6");
@@ -136,6 +137,8 @@ static void test_points_and_segments(void)
     REFUSES(proxima_mesh_of_segments(octahedron, 6, beyond, 1, &mesh), PROXIMA_INVALID_MESH, "segment 0 uses point 6");
     REFUSES(proxima_mesh_of_segments(octahedron, 6, NULL, 1, &mesh), PROXIMA_INVALID_ARGUMENT, "NULL");
     REFUSES(proxima_mesh_of_points(NULL, 6, &mesh), PROXIMA_INVALID_ARGUMENT, "NULL");
+    REFUSES(proxima_mesh_of_points(octahedron, (size_t)-1 / 8 + 1, &mesh), PROXIMA_OUT_OF_MEMORY, "count");
+    REFUSES(proxima_mesh_create(octahedron, (size_t)-1 / 16 + 1, faces, 8, &mesh), PROXIMA_OUT_OF_MEMORY, "count");
     REFUSES(proxima_mesh_of_points(octahedron, 6, NULL), PROXIMA_INVALID_ARGUMENT, "NULL");
     CHECK(mesh == NULL);
 }
@@ -215,6 +218,13 @@ static void test_closest(void)
     CHECK(proxima_closest_features(index, points, 4, NULL, NULL, NULL, triangles) == PROXIMA_OK);
     CHECK(proxima_closest_features(index, NULL, 0, NULL, NULL, NULL, NULL) == PROXIMA_OK);
     REFUSES(proxima_closest_features(index, nowhere, 1, NULL, NULL, squared, NULL), PROXIMA_INVALID_ARGUMENT, "point 0");
+    /* what cannot be answered leaves the arrays as they were */
+    const double one_of_two[] = {0, 0, 3, NAN, 0, 0};
+    squared[0] = distances[0] = many[0].squared_distance = -1;
+    triangles[0] = 77;
+    REFUSES(proxima_closest_features(index, one_of_two, 2, NULL, many, squared, triangles), PROXIMA_INVALID_ARGUMENT, "point 1");
+    REFUSES(proxima_signed_distances(index, one_of_two, 2, NULL, distances), PROXIMA_INVALID_ARGUMENT, "point 1");
+    CHECK(squared[0] == -1 && distances[0] == -1 && many[0].squared_distance == -1 && triangles[0] == 77);
 
     CHECK(proxima_signed_distances(index, points, 4, NULL, distances) == PROXIMA_OK);
     CHECK(distances[0] == 1 && is_near(distances[3], -0.75 / sqrt(3)));
@@ -329,6 +339,8 @@ static void test_touch(void)
     CHECK(proxima_fit_workspace(lower, upper, limits.workspace_radius, &workspace) == PROXIMA_OK);
     CHECK(is_near(workspace.units_per_metre, sqrt(3.0) / (0.6 * limits.workspace_radius)));
     REFUSES(proxima_fit_workspace(lower, upper, 0, &workspace), PROXIMA_INVALID_ARGUMENT, "radius");
+    const double far_lower[] = {-8e307, -8e307, -8e307}, far_upper[] = {8e307, 8e307, 8e307};
+    REFUSES(proxima_fit_workspace(far_lower, far_upper, 0.05, &workspace), PROXIMA_INVALID_ARGUMENT, "large");
     workspace.units_per_metre = 1;
     proxima_render_options_default(&options);
     CHECK(options.guard == PROXIMA_GUARD_ON && options.proxy_radius == 0);

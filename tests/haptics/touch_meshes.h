@@ -67,6 +67,21 @@ inline TriangleMesh thin_plate()
                  [](const Vec3& p) { return Vec3(p[0], p[1], 0.0005 * p[2]); });
 }
 
+/// A thick plate, turned, with coordinates of six digits: rounding bends its flat faces.
+inline TriangleMesh rounded_plate()
+{
+    const Mat3 turn =
+        (Eigen::AngleAxisd(0.3, Vec3::UnitY()) * Eigen::AngleAxisd(0.7, Vec3::UnitZ()))
+            .toRotationMatrix();
+    const auto face = [&](double height, bool up) {
+        return grid_mesh(13, 13, [=](double s, double t) {
+            const Vec3 p = turn * Vec3(2 * (up ? s : t) - 1, 2 * (up ? t : s) - 1, height);
+            return Vec3(1e-6 * (1e6 * p).array().round());
+        });
+    };
+    return joined(face(0.2, true), face(-0.2, false));
+}
+
 /// The inside of a corner of three planes, and of one of three slanted ones.
 inline TriangleMesh inner_corner(double slant)
 {
@@ -104,6 +119,7 @@ inline std::vector<TouchMesh> touch_meshes()
         {"torus", *sample_mesh("torus:24x12")},
         {"sheet", bumpy_sheet(12)},
         {"plate", thin_plate()},
+        {"rounded plate", rounded_plate()},
         {"corner", inner_corner(0)},
         {"slanted corner", inner_corner(-0.5)},
         {"bowl", without(sphere, [](std::size_t i) { return i % 900 < 300; })},

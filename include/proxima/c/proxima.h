@@ -83,7 +83,7 @@ PROXIMA_C_API const char* proxima_error_message(void);
 
 /* Where a pointer to one is taken, NULL stands for zeros. */
 typedef struct proxima_execution {
-    int32_t threads;       /* 0: all of the machine. Results never depend on it. */
+    int32_t threads;       /* 0: all of the machine; 1024 at most. Results never depend on it. */
     uint64_t budget_bytes; /* of result and scratch; 0: three quarters of the machine's memory */
     proxima_progress* progress; /* may be NULL */
 } proxima_execution;
@@ -253,7 +253,8 @@ typedef struct proxima_distance {
     uint32_t triangle_b;
 } proxima_distance;
 
-/* farthest: INFINITY, or where the search ends. Real-time safe. */
+/* farthest: INFINITY, or where the search ends. Coordinates that are moved out of the doubles have no
+ * right distance. Real-time safe. */
 PROXIMA_C_API proxima_status proxima_mesh_distance(const proxima_index* a, const proxima_index* b,
                                                    const double pose_b[12], double farthest,
                                                    proxima_distance* distance);

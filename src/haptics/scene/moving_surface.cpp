@@ -69,7 +69,7 @@ void MovingSurface::measure() noexcept
 {
     double least = scale_.extent;
     for (const auto& slot : objects_) least = std::min(least, slot->surface().scale().mean_edge);
-    scale_.mean_edge = least;
+    scale_.mean_edge = std::max(least, least_edge * scale_.extent);
 }
 
 void MovingSurface::add(ObjectId id)

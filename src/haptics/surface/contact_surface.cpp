@@ -40,7 +40,7 @@ public:
             std::max(box_.lower.cwiseAbs().maxCoeff(), box_.upper.cwiseAbs().maxCoeff());
         const double area = doubled_area_ / 2 / static_cast<double>(count_);
         return {extent, std::max(reach, std::numeric_limits<double>::min()),
-                std::sqrt(area * 4 / std::sqrt(3.0))};
+                std::max(std::sqrt(area * 4 / std::sqrt(3.0)), least_edge * extent)};
     }
 
 private:

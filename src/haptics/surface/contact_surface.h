@@ -29,8 +29,13 @@ namespace proxima {
 struct SurfaceScale {
     double extent = 1;    ///< the longest edge of the box about it
     double reach = 1;     ///< the largest |coordinate|
-    double mean_edge = 1; ///< the side of as many equilateral triangles of the same area
+    double mean_edge = 1; ///< the side of as many equilateral triangles of the same area, but no
+                          ///< less than least_edge
 };
+
+/// In extents: a mean edge for how far a slide goes in one move. Surfaces without an area, of needles,
+/// or of small parts far apart, must not slow the hand down.
+inline constexpr double least_edge = 0x1p-10;
 
 [[nodiscard]] SurfaceScale scale_of(const TriangleMesh& mesh);
 

@@ -19,6 +19,11 @@ namespace proxima {
 
 namespace {
 
+std::uint64_t list_bytes_of(std::uint64_t triangles, const ListOptions& options) noexcept
+{
+    return options.list_bytes != 0 ? options.list_bytes : default_list_bytes(triangles);
+}
+
 /// Builds the lists of one index; members are what the stages hand on.
 class ListBuilder {
 public:
@@ -31,9 +36,7 @@ public:
 
     Result<std::shared_ptr<const ProximityLists>> build()
     {
-        const std::uint64_t budget = options_.list_bytes != 0
-                                         ? options_.list_bytes
-                                         : default_list_bytes(mesh_.triangle_count());
+        const std::uint64_t budget = list_bytes_of(mesh_.triangle_count(), options_);
         if (budget < least_cell_bytes) {
             return fail(ErrorCode::budget_exceeded,
                         concat("closest-feature lists take at least ", least_cell_bytes,
@@ -244,8 +247,10 @@ Status check_options(const IndexParts& index, const ListOptions& options)
                            " triangles, the mesh has ", index.triangle_count(),
                            ": split or simplify it"));
     }
-    return check_budget(options.execution.budget, least_scratch * index.triangle_count(),
-                        "building closest-feature lists", "raise the budget");
+    return check_budget(options.execution.budget,
+                        least_scratch * index.triangle_count() +
+                            list_bytes_of(index.triangle_count(), options),
+                        "building closest-feature lists", "raise the budget or lower list_bytes");
 }
 
 /// The mesh's box, where squared distances, and those of parts of 1e-10 of it, are numbers.
