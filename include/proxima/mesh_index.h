@@ -105,8 +105,8 @@ struct ListOptions {
     double margin = 0.5; ///< root edge = (1 + margin) times the mesh's longest extent; 0 to
                          ///< max_list_margin
     int max_depth = max_list_depth;
-    /// Budget: lists and scratch. Refused before the work if below list_bytes and 800 bytes per
-    /// triangle; the work takes up to twice that.
+    /// Budget: lists and scratch. Refused before the work if below 800 bytes per triangle and the
+    /// usual list_bytes; lists beyond these have a quarter of what is left.
     Execution execution = {};
 };
 

@@ -247,7 +247,7 @@ double lag_beside(const TriangleMesh* other)
         const double height =
             tick < 250 ? 0.05 - 1e-4 * tick : std::min(0.09, 0.025 + 3e-4 * (tick - 250));
         const RenderTick& made = renderer.tick(at(Vec3(0.001, 0.002, height)), tick_seconds);
-        if (tick > 275) lag = std::max(lag, std::abs(made.proxy.z() - 30 * height));
+        if (tick > 290) lag = std::max(lag, std::abs(made.proxy.z() - 30 * height));
     }
     return lag;
 }

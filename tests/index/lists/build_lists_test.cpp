@@ -311,6 +311,30 @@ TEST(Lists, RefuseInvalidMeshesAndOptions)
               ErrorCode::budget_exceeded);
 }
 
+TEST(Lists, TakeOfTheirBudgetWhatThereIsRoomFor)
+{
+    const TriangleMesh mesh = sample_mesh("icosphere:4").value();
+    const MeshIndex plain = build_mesh_index(mesh).value();
+    const std::uint64_t scratch = 800 * mesh.triangle_count();
+    const std::uint64_t usual = default_list_bytes(mesh.triangle_count());
+    constexpr std::uint64_t endless = std::numeric_limits<std::uint64_t>::max();
+    const auto bytes = [&](std::uint64_t list_bytes, std::uint64_t budget) {
+        const auto index =
+            with_lists(plain, {.list_bytes = list_bytes, .execution = {.budget = {budget}}});
+        return index ? index->parts().lists()->bytes() : 0;
+    };
+    const std::uint64_t most = bytes(endless, 0);
+    EXPECT_GT(most, usual);
+    EXPECT_EQ(bytes(endless, scratch + usual - 1), 0U);
+    EXPECT_EQ(bytes(0, scratch + usual - 1), 0U);
+    EXPECT_GT(bytes(usual / 2, scratch + usual - 1), 0U);
+    const std::uint64_t room = (usual + most) / 2;
+    const std::uint64_t bounded = bytes(endless, scratch + 4 * room);
+    EXPECT_LE(bounded, room);
+    EXPECT_GT(bounded, usual / 2);
+    EXPECT_LT(bounded, most);
+}
+
 TEST(Lists, StopOnRequest)
 {
     const TriangleMesh mesh = sample_mesh("torus:30x40").value();
