@@ -142,7 +142,10 @@ PROXIMA_STEP hn::Vec<PairTag<T>> gap_along(const VectorLanes<T>& n, const Triang
     const auto b_least = hn::Min(hn::Min(on_b0, on_b1), on_b2);
     const auto b_most = hn::Max(hn::Max(on_b0, on_b1), on_b2);
     const auto gap = hn::Max(hn::Sub(b_least, a_most), hn::Sub(a_least, b_most));
-    return hn::Mul(gap, inverse_or_zero<T>(hn::Sqrt(dot(n, n))));
+    // Of a shorter one the square would have few digits, and the gap be too wide.
+    const auto squared = dot(n, n);
+    const auto is_long = hn::Gt(squared, hn::Set(d, T{0x1p-96}));
+    return hn::IfThenElseZero(is_long, hn::Div(gap, hn::Sqrt(squared)));
 }
 
 /// What is known of the distances of the triangles in lanes.
