@@ -256,9 +256,8 @@ Status check_options(const IndexParts& index, const ListOptions& options)
                            " triangles, the mesh has ", index.triangle_count(),
                            ": split or simplify it"));
     }
-    const std::uint64_t usual = default_list_bytes(index.triangle_count());
-    const std::uint64_t lists =
-        options.list_bytes == 0 ? usual : std::min(options.list_bytes, usual);
+    const std::uint64_t lists = std::min(list_bytes_of(index.triangle_count(), options),
+                                         default_list_bytes(index.triangle_count()));
     return check_budget(options.execution.budget, least_scratch * index.triangle_count() + lists,
                         "building closest-feature lists", "raise the budget or lower list_bytes");
 }

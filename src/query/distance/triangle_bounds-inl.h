@@ -142,7 +142,7 @@ PROXIMA_STEP hn::Vec<PairTag<T>> gap_along(const VectorLanes<T>& n, const Triang
     const auto b_least = hn::Min(hn::Min(on_b0, on_b1), on_b2);
     const auto b_most = hn::Max(hn::Max(on_b0, on_b1), on_b2);
     const auto gap = hn::Max(hn::Sub(b_least, a_most), hn::Sub(a_least, b_most));
-    // Of a shorter one the square would have few digits, and the gap be too wide.
+    // The square of a shorter normal has few digits in floats: the gap would come out too wide.
     const auto squared = dot(n, n);
     const auto is_long = hn::Gt(squared, hn::Set(d, T{0x1p-96}));
     return hn::IfThenElseZero(is_long, hn::Div(gap, hn::Sqrt(squared)));
