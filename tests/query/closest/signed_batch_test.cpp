@@ -104,8 +104,8 @@ TEST(SignedDistances, StopSoonWithinWhatAThreadTakes)
         return signed_distances(index, points, {.distances = distances},
                                 {.execution = {.threads = {1}, .progress = &progress}});
     };
-    // While it searches, which are the first forty reports or so, and while it finds signs.
-    for (const std::uint64_t reports : {10U, 60U}) {
+    // While it searches, which are the first 625 reports or so, and while it finds signs.
+    for (const std::uint64_t reports : {10U, 650U}) {
         std::ranges::fill(distances, nothing);
         Progress stopped;
         stopped.cancel_after(reports);
