@@ -280,7 +280,8 @@ public:
 
     /// Gives an object another body from the next tick on. Copies of the old body go once no tool uses
     /// it: with a later exchange or change of shape, with the tool's renderer or with the scene, never
-    /// in a servo thread. Error invalid_argument: out of the bounds.
+    /// in a servo thread. The force fades and rises anew only if the proxy touched the old body or is
+    /// at the new one. Error invalid_argument: out of the bounds.
     [[nodiscard]] Status exchange(ObjectId object, const TouchBody& body);
 
     /// Gives an object the shape of a refit of its body: within `seconds` each vertex moves evenly

@@ -388,6 +388,58 @@ TEST(SceneRenderer, ExchangesBodiesWithoutAForceSpike)
     EXPECT_GT(largest, 1);
 }
 
+TEST(SceneRenderer, OnlyAnExchangedBodyAtTheProxyLetsTheForceFade)
+{
+    const auto cube = [](double size) {
+        return body_of(moved(*sample_mesh("cube"), [&](const Vec3& p) { return Vec3(size * p); }));
+    };
+    const DeviceLimits omni = *find_device("omni");
+    struct Felt {
+        std::vector<Vec3> forces;
+        Vec3 last_proxy = Vec3::Zero();
+    };
+    enum class Exchange { none, beside, grown_up_to_it, touched };
+    const auto feel = [&](Exchange exchange) {
+        TouchScene scene(Box{Vec3(-0.2, -0.2, -0.2), Vec3(0.2, 0.2, 0.2)});
+        const auto table = scene.add(cube(0.05), at_place(Vec3(0, 0, -0.05)));
+        const auto other = scene.add(cube(0.02), at_place(Vec3(0.09, 0, 0.05)));
+        EXPECT_TRUE(table && other);
+        HapticRenderer renderer = make_haptic_renderer(scene, same_unit, omni, {}).value();
+        Felt felt;
+        for (int tick = 0; tick < 1200; ++tick) {
+            // Down onto the table, and along it.
+            const double down = std::max(0.01 - 1e-4 * tick, -0.002);
+            const Vec3 hand(-0.01 + 1e-5 * tick, 0, down);
+            if (tick == 800) {
+                Status exchanged;
+                if (exchange == Exchange::beside) exchanged = scene.exchange(*other, cube(0.03));
+                if (exchange == Exchange::grown_up_to_it)
+                    exchanged = scene.exchange(*other, cube(0.1));
+                if (exchange == Exchange::touched) exchanged = scene.exchange(*table, cube(0.03));
+                EXPECT_TRUE(exchanged);
+            }
+            felt.forces.push_back(renderer.tick(at(hand), tick_seconds).force);
+        }
+        felt.last_proxy = renderer.last().proxy;
+        return felt;
+    };
+    const Felt expected = feel(Exchange::none);
+    EXPECT_GT(expected.forces[799].norm(), 0.5);
+    const Felt beside = feel(Exchange::beside);
+    EXPECT_TRUE(beside.forces == expected.forces);
+    EXPECT_EQ(beside.last_proxy, expected.last_proxy);
+    for (const Exchange exchange : {Exchange::grown_up_to_it, Exchange::touched}) {
+        const Felt felt = feel(exchange);
+        EXPECT_TRUE(
+            std::equal(felt.forces.begin(), felt.forces.begin() + 800, expected.forces.begin()));
+        EXPECT_LT(felt.forces[825].norm(), 0.8 * expected.forces[825].norm());
+        for (std::size_t tick = 800; tick < 1200; ++tick) {
+            EXPECT_LT((felt.forces[tick] - felt.forces[tick - 1]).norm(),
+                      omni.max_force / 50 + 10.0 / 250);
+        }
+    }
+}
+
 TEST(SceneRenderer, ACrushedProxyFeelsNothingUntilThePressOpens)
 {
     TouchScene scene(wide_room);

@@ -223,6 +223,25 @@ TEST(SlideSphere, PassesThroughNoMesh)
     }
 }
 
+TEST(SlideSphere, StaysFiniteWhereTheDeviceIsAllButOnASidesAxis)
+{
+    const TriangleMesh rod =
+        make_triangle_mesh({Vec3(0, 0, 0), Vec3(0, 0, 1)}, {TriangleCorners{0, 1, 1}}).value();
+    const MeshContactSurface surface(rod);
+    for (const double off : {0x1p-1074, 0x1p-1000, 0x1p-60, 0x1p-20}) {
+        Proxy proxy(surface, {.radius = 0.25});
+        proxy.place(Vec3(0.5, 0, 0.5));
+        for (int tick = 0; tick < 20; ++tick) {
+            const Vec3& center = proxy.follow(Vec3(off, 0, 0.6)).proxy;
+            ASSERT_TRUE(center.allFinite()) << off;
+            EXPECT_GE(std::hypot(center.x(), center.y()), 0.25 - 1e-12) << off;
+        }
+        const Vec3& center = proxy.last().proxy;
+        EXPECT_NEAR(std::hypot(center.x(), center.y()), 0.25, 1e-9) << off;
+        EXPECT_NEAR(center.z(), 0.6, 1e-9) << off;
+    }
+}
+
 TEST(SlideSphere, DoesNotPassAThinWallInAFastPoke)
 {
     const TriangleMesh mesh = testing::thin_plate();

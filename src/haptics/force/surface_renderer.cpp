@@ -76,6 +76,8 @@ double SurfaceRenderer::advance_scene(double seconds) noexcept
     is_carried_ = false;
     if (!placed_) return change.seconds;
     const ProxyTick& last = proxy_.last();
+    const bool touched =
+        change.exchanged && (!last.is_placed || is_at_exchanged_body(&MovingSurface::was_apart));
     if (change.moved && last.is_placed) {
         const Vec3 goal = carry_goal(last.proxy);
         const auto position = carried(last.proxy, goal);
@@ -93,8 +95,24 @@ double SurfaceRenderer::advance_scene(double seconds) noexcept
             start_anew();
         }
     }
-    if (change.exchanged) start_anew();
+    if (touched || (change.exchanged && is_at_exchanged_body(&MovingSurface::is_apart)))
+        start_anew();
     return change.seconds;
+}
+
+/// Whether a body that was exchanged in this tick is, by that test, not apart from the proxy and the
+/// frictionless position.
+bool SurfaceRenderer::is_at_exchanged_body(ApartTest is_apart) const noexcept
+{
+    const ProxyTick& last = proxy_.last();
+    const double distance = proxy_.radius() + safety_gap(scene_->scale());
+    for (std::uint32_t i = 0; i < scene_->object_count(); ++i) {
+        const ObjectId id{i};
+        if (!scene_->object(id).exchanged) continue;
+        if (!(scene_->*is_apart)(id, last.proxy, distance)) return true;
+        if (!(scene_->*is_apart)(id, last.slide.center, distance)) return true;
+    }
+    return false;
 }
 
 /// Where the objects that the proxy touches would carry a position of it.

@@ -6,8 +6,9 @@
 //
 // A scene's objects move as part of the tick: touched objects carry the proxy, others push it
 // (move_with_objects.h), and damping, friction and the passivity guard use the motion relative to
-// the surface. Where a body was exchanged, or objects left the proxy no free position, it starts
-// anew, outside of closed bodies, and the last force fades while the new one ramps up.
+// the surface. Where a body that it touches, or that comes to where it is, was exchanged, or objects
+// left the proxy no free position, it starts anew, outside of closed bodies, and the last force fades
+// while the new one ramps up.
 #pragma once
 
 #include "haptics/force/contact_force.h"
@@ -104,6 +105,8 @@ private:
     [[nodiscard]] Vec3 carry_goal(const Vec3& position) noexcept;
     [[nodiscard]] std::optional<Vec3> carried(const Vec3& position, const Vec3& goal) noexcept;
     [[nodiscard]] Vec3 settle(const Vec3& position, const Vec3& goal) noexcept;
+    using ApartTest = bool (MovingSurface::*)(ObjectId id, const Vec3& p, double distance) const;
+    [[nodiscard]] bool is_at_exchanged_body(ApartTest is_apart) const noexcept;
     void start_anew() noexcept;
     [[nodiscard]] Vec3 surface_velocity(const ProxyTick& proxy) const noexcept;
     [[nodiscard]] double mean_stiffness(const ProxyTick& proxy) const noexcept;

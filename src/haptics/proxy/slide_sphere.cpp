@@ -272,7 +272,8 @@ private:
         const Vec3 outward = apart - along;
         const double size = outward.norm();
         const double rise = outward.dot(contact.normal);
-        if (!(rise > 0.5 * size)) return goal;
+        // On the axis itself there is no way round.
+        if (!(rise > 0.5 * size && rise > skin_)) return goal;
         return contact.point + along + outward * (radius_ / rise);
     }
 

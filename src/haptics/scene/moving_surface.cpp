@@ -35,6 +35,11 @@ double part_of(const SceneShape& shape, SceneTime time) noexcept
     return changing < whole * (1 - 1e-9) ? std::max(changing / whole, 0.0) : 1;
 }
 
+ChangingParts parts_of(const SceneShape& shape) noexcept
+{
+    return shape.change == nullptr ? shape.body->parts() : shape.change->parts();
+}
+
 } // namespace
 
 MovingSurface::MovingSurface(SceneInput& input, std::size_t tool)
@@ -99,14 +104,14 @@ bool MovingSurface::advance_shape(Slot& slot, SceneTime time) noexcept
     const SceneShape& shape = slot.shapes.reading();
     const SceneShape& last = is_new ? slot.shapes.before() : shape;
     const bool exchanged = shape.exchanges != last.exchanges;
-    if (shape.change == nullptr) slot.part = 1;
-    if (shape.change == nullptr || (!is_new && slot.part == 1)) return exchanged;
     const double before = slot.part;
+    const bool changes = shape.change != nullptr && (is_new || before != 1);
+    if (exchanged || changes) slot.shape_before.set(parts_of(last), before);
+    if (shape.change == nullptr) slot.part = 1;
+    if (!changes) return exchanged;
     slot.part = part_of(shape, time);
     slot.shape.set(shape.change->parts(), slot.part);
     if (exchanged) return true;
-    slot.shape_before.set(last.change == nullptr ? last.body->parts() : last.change->parts(),
-                          before);
     const double farthest = shape.change->farthest();
     if (!is_new) {
         slot.stretch = (slot.part - before) * farthest;
@@ -129,12 +134,12 @@ SceneTick MovingSurface::advance(double seconds) noexcept
         if (slot->courses.update()) slot->trajectory.follow(slot->courses.reading());
         slot->trajectory.advance(clock_.now());
         (void)slot->materials.update();
-        const bool exchanged = advance_shape(*slot, clock_.now());
+        slot->exchanged = advance_shape(*slot, clock_.now());
         slot->free_ball.reach -= slot->stretch;
-        if (slot->trajectory.moved() || exchanged) slot->free_ball.reach = -1;
+        if (slot->trajectory.moved() || slot->exchanged) slot->free_ball.reach = -1;
         slot->free_path = {};
         tick.moved |= slot->trajectory.moved() || slot->stretch > 0;
-        tick.exchanged |= exchanged;
+        tick.exchanged |= slot->exchanged;
     }
     if (tick.exchanged) measure();
     if (tick.moved || tick.exchanged) edition_ = new_edition();
@@ -144,8 +149,9 @@ SceneTick MovingSurface::advance(double seconds) noexcept
 SceneObject MovingSurface::object(ObjectId id) const noexcept
 {
     const Slot& slot = *objects_[to_index(id)];
-    return {&slot.body(), slot.trajectory.before(), slot.trajectory.now(), slot.trajectory.moved(),
-            slot.stretch > 0};
+    return {&slot.body(),          slot.trajectory.before(),
+            slot.trajectory.now(), slot.trajectory.moved(),
+            slot.stretch > 0,      slot.exchanged};
 }
 
 Vec3 MovingSurface::velocity_at(ObjectId id, const Vec3& p) const noexcept
@@ -171,6 +177,12 @@ double MovingSurface::frame_margin(const Vec3& p) const noexcept
     return rounding_ + frame_rounding * p.cwiseAbs().maxCoeff();
 }
 
+Vec3 MovingSurface::exit_from(const Slot& slot, const Vec3& local) const noexcept
+{
+    const auto out = slot.body().nearest_exit(local);
+    return out ? beyond(*out, local, safety_gap(scale_)) : local;
+}
+
 Vec3 MovingSurface::nearest_exit(const Vec3& p) const noexcept
 {
     Vec3 position = p;
@@ -180,9 +192,7 @@ Vec3 MovingSurface::nearest_exit(const Vec3& p) const noexcept
         for (const auto& slot : objects_) {
             const RigidTransform& pose = slot->trajectory.now();
             const Vec3 local = to_local(pose, position);
-            const auto out = slot->body().nearest_exit(local);
-            if (!out) continue;
-            const Vec3 outside = beyond(*out, local, safety_gap(scale_));
+            const Vec3 outside = exit_from(*slot, local);
             if (outside == local) continue;
             position = pose(outside);
             inside = true;
@@ -221,6 +231,21 @@ bool MovingSurface::keeps_clear(ObjectId id, const Vec3& from, const Vec3& to,
     slot.free_path = {from, to, moved, reach, !is_clear};
     slot.free_ball = {to, reach - moved - margin};
     return is_clear;
+}
+
+bool MovingSurface::is_apart(ObjectId id, const Vec3& p, double distance) const noexcept
+{
+    const Slot& slot = *objects_[to_index(id)];
+    const Vec3 local = to_local(slot.trajectory.now(), p);
+    if (!(slot.surface().clearance(local) - frame_margin(p) > distance)) return false;
+    return exit_from(slot, local) == local;
+}
+
+bool MovingSurface::was_apart(ObjectId id, const Vec3& p, double distance) const noexcept
+{
+    const Slot& slot = *objects_[to_index(id)];
+    const Vec3 local = to_local(slot.trajectory.before(), p);
+    return slot.shape_before.clearance(local) - frame_margin(p) > distance;
 }
 
 std::size_t MovingSurface::collect_of(ObjectId id, const Vec3& p, const Vec3& motion,

@@ -39,8 +39,9 @@ struct PROXIMA_HIDDEN SceneObject {
     const ContactBody* body = nullptr;
     RigidTransform before; ///< pose of the last tick
     RigidTransform now;
-    bool moved = false;   ///< the pose
-    bool changed = false; ///< the shape, of which `body` is the next
+    bool moved = false;     ///< the pose
+    bool changed = false;   ///< the shape, of which `body` is the next
+    bool exchanged = false; ///< the body
 };
 
 /// Queries by one servo thread alone, for they cache near triangles; results do not depend on the
@@ -71,6 +72,12 @@ public:
     /// straight in the object's frame.
     [[nodiscard]] bool keeps_clear(ObjectId id, const Vec3& from, const Vec3& to,
                                    double distance) const noexcept;
+
+    /// Whether the object, where it is now, is farther than this from p and does not contain it.
+    [[nodiscard]] bool is_apart(ObjectId id, const Vec3& p, double distance) const noexcept;
+    /// Whether the object's last body, where it was before this tick, is farther than this from p.
+    /// \pre object(id).exchanged
+    [[nodiscard]] bool was_apart(ObjectId id, const Vec3& p, double distance) const noexcept;
 
     /// Like collect_along(), of one object in its own frame, with the ids of its own mesh.
     [[nodiscard]] std::size_t collect_of(ObjectId id, const Vec3& p, const Vec3& motion,
@@ -140,10 +147,11 @@ private:
         ObjectCache cache;
         FreeBall free_ball;
         FreePath free_path;
-        ChangingSurface shape_before; ///< of an object with a change, at the begin of the tick
-        ChangingSurface shape;        ///< and at its end
+        ChangingSurface shape_before; ///< at the tick's begin, of an object changed or exchanged
+        ChangingSurface shape;        ///< at its end, of an object with a change
         double part = 1;              ///< of the change
-        double stretch = 0; ///< no vertex moved farther in the last tick; 0 where none moved
+        double stretch = 0;     ///< no vertex moved farther in the last tick; 0 where none moved
+        bool exchanged = false; ///< in the last tick
 
         [[nodiscard]] const ContactBody& body() const noexcept { return *shapes.reading().body; }
         [[nodiscard]] const ContactSurface& surface() const noexcept
@@ -160,6 +168,8 @@ private:
     void measure() noexcept;
     /// Takes what the application gave, and moves vertices. Returns whether the body was exchanged.
     static bool advance_shape(Slot& slot, SceneTime time) noexcept;
+    /// p of the object's frame, or if the object contains it a position outside.
+    [[nodiscard]] Vec3 exit_from(const Slot& slot, const Vec3& local) const noexcept;
     /// A lower bound of the object's distance from a position of its frame without a query.
     [[nodiscard]] double known_clearance(Slot& slot, const Vec3& local) const noexcept;
     /// The rounding of a position that is moved between frames.
