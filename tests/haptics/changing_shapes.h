@@ -2,6 +2,7 @@
 // library: a tick is held against all triangles.
 #pragma once
 
+#include "geometry/exact_predicates.h"
 #include "geometry/triangle_contact.h"
 #include "haptics/force/surface_renderer.h"
 #include "haptics/scene/touch_access.h"
@@ -119,6 +120,7 @@ private:
     {
         const auto [least, most] = std::ranges::minmax(v);
         if (least > 0 || most < 0) return false;
+        if (least == 0 && most == 0) return is_inside(first) || is_inside(last); // in one plane
         if (depth == 40) return is_inside(0.5 * (first + last));
         const double ab = (v[0] + v[1]) / 2;
         const double bc = (v[1] + v[2]) / 2;
@@ -137,6 +139,7 @@ private:
         std::array<Vec3, 3> corner;
         for (std::size_t k = 0; k < 3; ++k) corner[k] = begin_[k] + t * (end_[k] - begin_[k]);
         const Vec3 normal = (corner[1] - corner[0]).cross(corner[2] - corner[0]);
+        if (normal.isZero(0)) return false;
         for (std::size_t k = 0; k < 3; ++k) {
             const Vec3 across = corner[k].cross(corner[(k + 1) % 3]);
             if (across.dot(normal) < 0) return false;
@@ -158,7 +161,7 @@ inline bool is_beside(const Box& box, const Vec3& from, const Vec3& to)
 class Vertices {
 public:
     explicit Vertices(const TriangleMesh& mesh)
-        : mesh_(mesh), before_(mesh.positions().begin(), mesh.positions().end()), now_(before_),
+        : mesh_(&mesh), before_(mesh.positions().begin(), mesh.positions().end()), now_(before_),
           from_(before_), to_(before_), given_(before_)
     {}
 
@@ -182,20 +185,27 @@ public:
 
     [[nodiscard]] bool passes_while_changing(const Vec3& from, const Vec3& to) const
     {
-        for (const TriangleCorners& corners : mesh_.triangles()) {
+        for (const TriangleCorners& corners : mesh_->triangles()) {
             const Triangle before = triangle(before_, corners);
             const Triangle now = triangle(now_, corners);
+            if (is_degenerate(before) && is_degenerate(now)) continue;
             Box box = bounding_box(before);
             for (const Vec3& corner : now.vertices) box.extend(corner);
-            if (!is_beside(box, from, to) && Crossing(before, now, from, to).happens()) return true;
+            double nearer = 0; // the triangle comes no nearer than by this
+            for (int k = 0; k < 3; ++k)
+                nearer = std::max(nearer, (now[k] - before[k] - (to - from)).norm());
+            const double begin = (closest_point(before, from).point - from).norm();
+            if (is_beside(box, from, to) || begin > 2 * nearer) continue;
+            if (Crossing(before, now, from, to).happens()) return true;
         }
         return false;
     }
 
     [[nodiscard]] bool passes_at_rest(std::span<const Vec3> path) const
     {
-        for (const TriangleCorners& corners : mesh_.triangles()) {
+        for (const TriangleCorners& corners : mesh_->triangles()) {
             const Triangle now = triangle(now_, corners);
+            if (is_degenerate(now)) continue;
             const Box box = bounding_box(now);
             for (std::size_t i = 1; i < path.size(); ++i) {
                 if (is_beside(box, path[i - 1], path[i])) continue;
@@ -208,7 +218,7 @@ public:
     [[nodiscard]] double distance(const Vec3& p) const
     {
         double least = std::numeric_limits<double>::infinity();
-        for (const TriangleCorners& corners : mesh_.triangles()) {
+        for (const TriangleCorners& corners : mesh_->triangles()) {
             const Triangle now = triangle(now_, corners);
             const Box box = bounding_box(now);
             const Vec3 gap = (box.lower - p).cwiseMax(p - box.upper).cwiseMax(0.0);
@@ -225,7 +235,7 @@ private:
         return {{positions[corners[0]], positions[corners[1]], positions[corners[2]]}};
     }
 
-    const TriangleMesh& mesh_;
+    const TriangleMesh* mesh_;
     std::vector<Vec3> before_;
     std::vector<Vec3> now_;
     std::vector<Vec3> from_;
