@@ -40,8 +40,8 @@ std::string similar_sample_mesh(const std::string& model)
 std::string true_path(const std::string& path)
 {
     std::error_code error;
-    const auto whole =
-        std::filesystem::weakly_canonical(std::filesystem::absolute(path, error), error);
+    const auto whole = std::filesystem::weakly_canonical(
+        std::filesystem::absolute(linked_file(path).value_or(path), error), error);
     return error ? path : whole.string();
 }
 

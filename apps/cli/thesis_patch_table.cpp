@@ -38,7 +38,9 @@ Result<std::unique_ptr<TouchModel>> make_model(std::string_view name,
                                                 {.execution = options.execution});
     if (!thesis) return tl::unexpected(thesis.error());
     model->thesis = std::move(*thesis);
-    model->contact = std::make_unique<IndexContactSurface>(model->index);
+    auto contact = IndexContactSurface::make(model->index);
+    if (!contact) return tl::unexpected(contact.error());
+    model->contact = std::move(*contact);
     return model;
 }
 

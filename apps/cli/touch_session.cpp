@@ -7,6 +7,7 @@
 #include "haptics/channel/engine_link.h"
 #include "haptics/device/button_queue.h"
 #include "haptics/force/surface_renderer.h"
+#include "haptics/loop/check_recording.h"
 #include "haptics/loop/snapshot.h"
 #include "haptics/surface/contact_surface.h"
 #include "haptics/surface/exits.h"
@@ -265,6 +266,15 @@ Status check_recorded_bytes(double bytes, double seconds, const char* option)
                 option);
 }
 
+Status check_recordable(const Status& settings)
+{
+    if (settings) return settings;
+    return fail(ErrorCode::invalid_argument,
+                concat("this session could not be replayed: ", settings.error().message,
+                       ": scale the model or its motion, or record nothing"),
+                "--record");
+}
+
 double recorded_bytes(const TouchSettings& settings)
 {
     const std::size_t tick =
@@ -282,7 +292,9 @@ Result<std::unique_ptr<TouchModel>> load_touch_model(const std::string& name, bo
     if (!status) return tl::unexpected(status.error());
     const auto with = with_exits(model->index, session.execution());
     if (!with) return at_model(with.error(), name);
-    model->contact = std::make_unique<IndexContactSurface>(*with);
+    auto contact = IndexContactSurface::make(*with);
+    if (!contact) return at_model(contact.error(), name);
+    model->contact = std::move(*contact);
     model->reach = bounding_box(model->surface.mesh);
     model->build_seconds = watch.seconds();
     return model;
@@ -318,6 +330,21 @@ Result<TouchResult> touch_by_device(const TouchModel& model, const TouchSettings
     auto input = make_device_input(device.info(), settings.input);
     if (!input) return tl::unexpected(input.error());
     const double tick_seconds = settings.input.tick_seconds;
+    Recording recording;
+    recording.settings = {.mesh_fingerprint = fingerprint_of(model),
+                          .objects = objects_of(model),
+                          .room = model.room,
+                          .tick_seconds = tick_seconds,
+                          .map = opened->map,
+                          .render = run.renderer().options(),
+                          .law = settings.law,
+                          .max_force = limits.max_force,
+                          .max_stiffness = limits.max_stiffness,
+                          .max_damping = limits.max_damping};
+    if (settings.record) {
+        if (Status status = check_recordable(check_recording(recording)); !status)
+            return tl::unexpected(status.error());
+    }
     const auto ticks = static_cast<std::uint64_t>(std::llround(settings.seconds / tick_seconds));
     const std::uint64_t release_ticks = ticks_to_release(device.info(), settings);
     std::vector<RecordedTick> recorded_ticks(settings.record ? ticks + release_ticks : 0);
@@ -384,18 +411,9 @@ Result<TouchResult> touch_by_device(const TouchModel& model, const TouchSettings
     result.trace = {tick_seconds, std::move(traced_ticks)};
     if (settings.record) {
         recorded_ticks.resize(count);
-        result.recording.settings = {.mesh_fingerprint = fingerprint_of(model),
-                                     .objects = objects_of(model),
-                                     .room = model.room,
-                                     .tick_seconds = tick_seconds,
-                                     .map = opened->map,
-                                     .render = result.render_options,
-                                     .law = settings.law,
-                                     .max_force = limits.max_force,
-                                     .max_stiffness = limits.max_stiffness,
-                                     .max_damping = limits.max_damping};
-        result.recording.ticks = std::move(recorded_ticks);
-        result.recording.messages = std::move(messages);
+        recording.ticks = std::move(recorded_ticks);
+        recording.messages = std::move(messages);
+        result.recording = std::move(recording);
     }
     return result;
 }

@@ -31,11 +31,11 @@ namespace proxima {
 struct TouchModel {
     ModelSurface surface; ///< of a scene, all its triangles where they stand at first
     MeshIndex index;
-    std::optional<ThesisProximityOctree> thesis;  ///< where patches ask it
-    std::unique_ptr<IndexContactSurface> contact; ///< null of a scene
-    std::unique_ptr<ScriptedScene> scene;         ///< null of one model at rest
-    std::vector<std::string> object_names;        ///< of a scene
-    std::vector<std::uint32_t> parts;             ///< first triangles of its objects
+    std::optional<ThesisProximityOctree> thesis;        ///< where patches ask it
+    std::unique_ptr<const IndexContactSurface> contact; ///< null of a scene
+    std::unique_ptr<ScriptedScene> scene;               ///< null of one model at rest
+    std::vector<std::string> object_names;              ///< of a scene
+    std::vector<std::uint32_t> parts;                   ///< first triangles of its objects
     Box reach;       ///< what is touched never leaves it, but for an engine
     double room = 0; ///< of a scene, see ScriptedScene::make
     double build_seconds = 0;
@@ -67,6 +67,10 @@ inline constexpr double most_recorded_bytes = 4e9;
 /// Refuses a session that would hold more than that, for the sake of the option. Error
 /// budget_exceeded.
 [[nodiscard]] Status check_recorded_bytes(double bytes, double seconds, const char* option);
+
+/// What a check of a recording's settings said, as an error of --record before there is one. Error
+/// invalid_argument.
+[[nodiscard]] Status check_recordable(const Status& settings);
 
 /// What recording and course of the session hold in memory.
 [[nodiscard]] double recorded_bytes(const TouchSettings& settings);

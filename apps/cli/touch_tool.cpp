@@ -312,13 +312,10 @@ void add_tool_options(CLI::App& parser, ToolCommandOptions& options)
 Status run_tool(const ToolCommandOptions& options, const std::string& model_name,
                 const std::string& record, const TouchSettings& settings, Session& session)
 {
-    if (!options.ticks.empty()) {
-        if (Status status = session.check_outputs({options.ticks}); !status) return status;
-    }
+    if (Status status = session.check_outputs({options.ticks, record}); !status) return status;
     if (settings.device.device.starts_with(replay_name))
         return replay_tool(options, model_name, settings.device.device, session);
     if (!record.empty()) {
-        if (Status status = session.check_outputs({record}); !status) return status;
         if (Status status = check_extension(record, ".pxt"); !status) return status;
     }
     const auto bytes_per_tick =
@@ -369,6 +366,10 @@ Status run_tool(const ToolCommandOptions& options, const std::string& model_name
                           .max_stiffness = opened->limits.max_stiffness,
                           .max_damping = opened->limits.max_damping,
                           .max_torque = options.max_torque};
+    if (!record.empty()) {
+        if (Status status = check_recordable(check_settings(recording.settings)); !status)
+            return status;
+    }
     recording.ticks.resize(record.empty() ? 0 : ticks + release_ticks);
     std::uint64_t last = ticks; // the session ends before this tick, and then lets go
     ToolAccount account;

@@ -99,19 +99,6 @@ bool is_below_device_folders(const fs::path& path)
            text.starts_with("/proc/");
 }
 
-// The file that `path` stands for once symbolic links are followed; it need not exist.
-std::optional<fs::path> follow_links(fs::path path)
-{
-    for (int link = 0; link <= max_links; ++link) {
-        std::error_code error;
-        if (!fs::is_symlink(fs::symlink_status(path, error))) return path;
-        const fs::path target = fs::read_symlink(path, error);
-        if (error) return std::nullopt;
-        path = path.parent_path() / target;
-    }
-    return std::nullopt;
-}
-
 // Temporary files are called .proxima-PROCESS-NUMBER.tmp, and locked while somebody writes them.
 // So one that can be locked belongs to nobody: its process was killed. A process's number alone
 // would not tell, as another machine that shares the folder may have that process.
@@ -326,6 +313,18 @@ bool OutputFile::is_direct() const noexcept
     return state_->temporary.empty();
 }
 
+std::optional<fs::path> linked_file(fs::path path)
+{
+    for (int link = 0; link <= max_links; ++link) {
+        std::error_code error;
+        if (!fs::is_symlink(fs::symlink_status(path, error))) return path;
+        const fs::path target = fs::read_symlink(path, error);
+        if (error) return std::nullopt;
+        path = path.parent_path() / target;
+    }
+    return std::nullopt;
+}
+
 Result<OutputFile> OutputFile::create(const fs::path& path, const OutputOptions& options)
 {
     if (options.progress != nullptr) options.progress->begin_stage("writing", options.bytes);
@@ -346,7 +345,7 @@ Result<OutputFile> OutputFile::create(const fs::path& path, const OutputOptions&
             return tl::unexpected(status.error());
     } else {
         if (exists && ::access(path.c_str(), W_OK) != 0) return not_writable(path, reason(errno));
-        const auto target = follow_links(path);
+        const auto target = linked_file(path);
         if (!target) return not_writable(path, "its symbolic links lead nowhere");
         state->destination = *target;
         if (auto status = state->open_temporary(exists ? &existing : nullptr); !status) {

@@ -14,10 +14,15 @@
 #include <cstdint>
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string_view>
 
 namespace proxima {
+
+/// The file that a path stands for once its own symbolic links are followed, which need not exist;
+/// nothing where they go round in circles.
+[[nodiscard]] std::optional<std::filesystem::path> linked_file(std::filesystem::path path);
 
 struct OutputOptions {
     Progress* progress = nullptr; ///< stage "writing", steps are bytes

@@ -79,6 +79,69 @@ Account touch(const TriangleMesh& flat, const Wave& wave, Script script,
     return account;
 }
 
+/// Two triangles over a square of side 2, at that height and slope along x.
+TriangleMesh plate(double height, double slope)
+{
+    std::vector<Vec3> corners = {Vec3(-1, -1, 0), Vec3(1, -1, 0), Vec3(1, 1, 0), Vec3(-1, 1, 0)};
+    for (Vec3& p : corners) p.z() = height + slope * p.x();
+    return make_triangle_mesh(std::move(corners),
+                              {TriangleCorners{0, 1, 2}, TriangleCorners{0, 2, 3}})
+        .value();
+}
+
+std::vector<Vec3> positions_of(const TriangleMesh& mesh)
+{
+    return {mesh.positions().begin(), mesh.positions().end()};
+}
+
+// A plate at rest, and one above it that closes like jaws and drives the hand out of them: at the
+// border it must not end below the plate at rest, where the mean of what the two plates do would
+// take it.
+TEST(DeformingSurface, AHandThatJawsDriveOutStaysOnItsSide)
+{
+    enum class Way { move, deform, move_beside_idle_deformation };
+    const Box space{Vec3(-4, -4, -4), Vec3(4, 4, 4)};
+    int left = 0;
+    for (const Way way : {Way::move, Way::deform, Way::move_beside_idle_deformation}) {
+        for (const double slope : {0.05, 0.2, 0.5, 1.0}) {
+            for (const int ticks : {5, 20, 60}) {
+                const double down = 2.5 * slope;
+                TouchScene scene(space);
+                const TouchBody low = body_of(plate(0, 0));
+                const TouchBody high = body_of(plate(slope, slope));
+                const auto lower = scene.add(low, {});
+                const auto upper = scene.add(high, {});
+                HapticRenderer renderer =
+                    make_haptic_renderer(scene, same_unit, strong_device(), plain(0, 0)).value();
+                const DeviceState hand = at(Vec3(0.5, 0, 0.75 * slope));
+                (void)renderer.tick(hand, tick_seconds);
+                if (way == Way::deform) {
+                    const auto closed =
+                        refit_touch_body(high, positions_of(plate(slope - down, slope)));
+                    ASSERT_TRUE(closed && scene.deform(*upper, *closed, ticks * tick_seconds));
+                } else {
+                    ASSERT_TRUE(scene.move(*upper, {.pose = at_place(Vec3(0, 0, -down)),
+                                                    .seconds = ticks * tick_seconds}));
+                }
+                if (way == Way::move_beside_idle_deformation) {
+                    const auto same = refit_touch_body(low, positions_of(low.mesh()));
+                    ASSERT_TRUE(same && scene.deform(*lower, *same, ticks * tick_seconds));
+                }
+                bool out = false;
+                for (int tick = 0; tick < ticks + 2; ++tick) {
+                    const RenderTick& felt = renderer.tick(hand, tick_seconds);
+                    ASSERT_TRUE(felt.is_placed);
+                    out = out || felt.proxy.x() > 0.999;
+                    ASSERT_GT(felt.proxy.z(), 0)
+                        << static_cast<int>(way) << " slope " << slope << ", tick " << tick;
+                }
+                left += out ? 1 : 0;
+            }
+        }
+    }
+    EXPECT_GT(left, 0);
+}
+
 TEST(DeformingSurface, AWaveOfTwentyThousandTrianglesPassesNothing)
 {
     const TriangleMesh flat = flat_cloth(100);

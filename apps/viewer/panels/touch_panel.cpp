@@ -44,7 +44,7 @@ const DeviceLimits& limits_of_mouse()
 /// What there is to touch; shared with tasks, which make it.
 struct Touchable {
     std::shared_ptr<const ViewModel> model;
-    std::unique_ptr<IndexContactSurface> surface;
+    std::unique_ptr<const IndexContactSurface> surface;
 };
 
 struct TouchSlot {
@@ -201,6 +201,7 @@ public:
                             "device");
             }
             const auto touchable = touchable_of(*slot, model);
+            if (!touchable) return tl::unexpected(touchable.error());
             PanelPicture picture;
             picture.layers = model_layers(models, Smoothing::smooth);
             picture.legend.entries = {{figure_colors::blue, "device"},
@@ -210,7 +211,7 @@ public:
                 constexpr int ticks = 1000;
                 const auto target =
                     std::make_shared<MouseTarget>(target_position(settings, *model));
-                TouchSession session(*touchable->surface, pulled_hand(target, settings, *model),
+                TouchSession session(*(*touchable)->surface, pulled_hand(target, settings, *model),
                                      settings.touch);
                 for (int i = 0; i < ticks; ++i) session.tick();
                 add_moment(picture, session.moment(), model->box.extent().norm());
@@ -257,15 +258,16 @@ public:
     }
 
 private:
-    static std::shared_ptr<const Touchable>
+    static Result<std::shared_ptr<const Touchable>>
     touchable_of(TouchSlot& slot, const std::shared_ptr<const ViewModel>& model)
     {
         const std::scoped_lock lock(slot.mutex);
         if (slot.latest && slot.latest->model == model) return slot.latest;
+        auto surface = IndexContactSurface::make(with_exits(model->rays).value_or(model->rays));
+        if (!surface) return tl::unexpected(surface.error());
         auto made = std::make_shared<Touchable>();
         made->model = model;
-        made->surface =
-            std::make_unique<IndexContactSurface>(with_exits(model->rays).value_or(model->rays));
+        made->surface = std::move(*surface);
         slot.latest = std::move(made);
         return slot.latest;
     }

@@ -79,16 +79,17 @@ double SurfaceRenderer::advance_scene(double seconds) noexcept
     const bool touched =
         change.exchanged && (!last.is_placed || is_at_exchanged_body(&MovingSurface::was_apart));
     if (change.moved && last.is_placed) {
-        const Vec3 goal = carry_goal(last.proxy);
-        const auto position = carried(last.proxy, goal);
+        const CarriedGoal goal = carry_goal(last.proxy);
+        const auto position = carried(last.proxy, goal.position);
         if (position) {
             // A frictionless position of its own is carried separately.
             const Vec3 frictionless = last.slide.center;
             const bool apart = last.hold != Hold::free && frictionless != last.proxy;
             const Vec3 settled = settle(*position, goal);
-            proxy_.carry(settled,
-                         apart ? carried(frictionless, carry_goal(frictionless)).value_or(settled)
-                               : settled);
+            proxy_.carry(
+                settled,
+                apart ? carried(frictionless, carry_goal(frictionless).position).value_or(settled)
+                      : settled);
             is_carried_ = true;
         } else {
             tick_.squeezed = true;
@@ -116,10 +117,10 @@ bool SurfaceRenderer::is_at_exchanged_body(ApartTest is_apart) const noexcept
 }
 
 /// Where the objects that the proxy touches would carry a position of it.
-Vec3 SurfaceRenderer::carry_goal(const Vec3& position) noexcept
+CarriedGoal SurfaceRenderer::carry_goal(const Vec3& position) noexcept
 {
     const ProxyTick& last = proxy_.last();
-    if (last.hold == Hold::free) return position;
+    if (last.hold == Hold::free) return {position, 0, 0};
     const auto contacts = std::span(last.slide.contacts).first(last.slide.contact_count);
     return carried_position(*scene_, proxy_.radius(), contacts, position, carry_scratch_);
 }
@@ -131,19 +132,24 @@ std::optional<Vec3> SurfaceRenderer::carried(const Vec3& position, const Vec3& g
 }
 
 /// Slides the carried proxy to its goal where it is on a shape that changes: planes of triangles
-/// that turn keep it a little above them.
-Vec3 SurfaceRenderer::settle(const Vec3& position, const Vec3& goal) noexcept
+/// that turn keep it a little above them. Not where its contacts took it different ways, or others
+/// held it back: such a goal may be behind a surface, and the way there about its border.
+Vec3 SurfaceRenderer::settle(const Vec3& position, const CarriedGoal& goal) noexcept
 {
     const ProxyTick& last = proxy_.last();
     settle_scratch_->begin_path(position);
+    if (last.hold == Hold::free || goal.spread > 0.5 * goal.way) return position;
     const auto contacts = std::span(last.slide.contacts).first(last.slide.contact_count);
-    const bool changes =
-        last.hold != Hold::free && std::ranges::any_of(contacts, [&](const Contact& contact) {
-            return scene_->object(object_of(contact.triangle)).changed;
-        });
-    if (!changes) return position;
+    const bool changes = std::ranges::any_of(contacts, [&](const Contact& contact) {
+        return scene_->object(object_of(contact.triangle)).changed;
+    });
+    const Vec3 lift = position - goal.position;
+    const bool is_above = std::ranges::any_of(contacts, [&](const Contact& contact) {
+        return contact.normal.dot(lift) > 0.5 * lift.norm();
+    });
+    if (!changes || !is_above) return position;
     const ProxyOptions& options = proxy_.options();
-    return slide_sphere(*scene_, options.radius, position, goal, *settle_scratch_,
+    return slide_sphere(*scene_, options.radius, position, goal.position, *settle_scratch_,
                         SlideStart::touching, options.max_moves)
         .center;
 }

@@ -102,9 +102,9 @@ private:
     void write_proxy(const ProxyTick& proxy) noexcept;
     [[nodiscard]] Vec3 accept(const DeviceState& state) noexcept;
     [[nodiscard]] double advance_scene(double seconds) noexcept;
-    [[nodiscard]] Vec3 carry_goal(const Vec3& position) noexcept;
+    [[nodiscard]] CarriedGoal carry_goal(const Vec3& position) noexcept;
     [[nodiscard]] std::optional<Vec3> carried(const Vec3& position, const Vec3& goal) noexcept;
-    [[nodiscard]] Vec3 settle(const Vec3& position, const Vec3& goal) noexcept;
+    [[nodiscard]] Vec3 settle(const Vec3& position, const CarriedGoal& goal) noexcept;
     using ApartTest = bool (MovingSurface::*)(ObjectId id, const Vec3& p, double distance) const;
     [[nodiscard]] bool is_at_exchanged_body(ApartTest is_apart) const noexcept;
     void start_anew() noexcept;

@@ -50,8 +50,7 @@ constexpr Range length_range = {0, 4e6};
 tl::unexpected<Error> out_of_range(const std::string& field, double value, const Range& range)
 {
     return fail(ErrorCode::malformed_file,
-                concat(field, " is ", value, " and must be ", range.least, " to ", range.most,
-                       ": record the session again"));
+                concat(field, " is ", value, " and must be ", range.least, " to ", range.most));
 }
 
 bool contains(const Range& range, double value) noexcept
@@ -85,8 +84,7 @@ Status check_recorded_texture(const SurfaceTexture& texture, const std::string& 
 {
     const Status status = check_texture(texture);
     if (status) return {};
-    return fail(ErrorCode::malformed_file,
-                concat(of, status.error().message, ": record the session again"));
+    return fail(ErrorCode::malformed_file, concat(of, status.error().message));
 }
 
 Status check_settings(const RecordingSettings& settings)
@@ -126,8 +124,7 @@ Status check_object(const ScriptedObject& object, std::size_t number)
                                  of);
     if (!status) return status;
     if (status = check_script(object.script); !status) {
-        return fail(ErrorCode::malformed_file,
-                    concat(of, status.error().message, ": record the session again"));
+        return fail(ErrorCode::malformed_file, concat(of, status.error().message));
     }
     if (object.texture) {
         if (status = check_recorded_texture(*object.texture, of); !status) return status;
@@ -172,13 +169,11 @@ Status check_message(const Recording& recording, std::size_t number)
     const std::string of = concat("message ", number, ": ");
     const std::size_t objects = recording.settings.objects.size();
     if (to_index(message.object) >= objects) {
-        return fail(ErrorCode::malformed_file,
-                    concat(of, "object is ", to_index(message.object), ", and there are ", objects,
-                           ": record the session again"));
+        return fail(ErrorCode::malformed_file, concat(of, "object is ", to_index(message.object),
+                                                      ", and there are ", objects));
     }
     if (number > 0 && message.tick < recording.messages[number - 1].tick) {
-        return fail(ErrorCode::malformed_file,
-                    concat(of, "its tick is before that of the last: record the session again"));
+        return fail(ErrorCode::malformed_file, concat(of, "its tick is before that of the last"));
     }
     const ObjectMotion& motion = message.motion;
     const Vec3& at = motion.pose.translation;

@@ -14,7 +14,8 @@
 
 namespace proxima {
 
-/// Error malformed_file, without a place, naming the first field that is out of range. O(ticks).
+/// Error malformed_file, without a place or advice, naming the first field that is out of range.
+/// O(ticks).
 [[nodiscard]] Status check_recording(const Recording& recording);
 
 } // namespace proxima

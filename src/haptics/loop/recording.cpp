@@ -176,7 +176,10 @@ Result<Recording> recording_of(const BinaryFile& file)
     recording.ticks.assign(ticks->begin(), ticks->end());
     if (Status status = read_messages(file, recording); !status)
         return tl::unexpected(status.error());
-    if (Status status = check_recording(recording); !status) return tl::unexpected(status.error());
+    if (const Status status = check_recording(recording); !status) {
+        return fail(status.error().code,
+                    concat(status.error().message, ": record the session again"));
+    }
     return recording;
 }
 

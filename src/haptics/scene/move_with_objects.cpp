@@ -7,8 +7,10 @@
 #include "proxima/touch_scene.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
+#include <tuple>
 #include <utility>
 
 namespace proxima {
@@ -243,23 +245,33 @@ std::optional<Vec3> move_with_objects(const MovingSurface& scene, double radius,
     return Carry(scene, radius, from, goal, scratch).run();
 }
 
-Vec3 carried_position(const MovingSurface& scene, double radius, std::span<const Contact> contacts,
-                      const Vec3& p, CarryScratch& scratch) noexcept
+CarriedGoal carried_position(const MovingSurface& scene, double radius,
+                             std::span<const Contact> contacts, const Vec3& p,
+                             CarryScratch& scratch) noexcept
 {
+    std::array<Vec3, std::tuple_size_v<decltype(SlideResult::contacts)>> ways;
     Vec3 sum = Vec3::Zero();
     double pressures = 0;
-    for (const Contact& contact : contacts) {
+    for (std::size_t i = 0; i < contacts.size(); ++i) {
+        const Contact& contact = contacts[i];
         const SceneObject object = scene.object(object_of(contact.triangle));
+        ways[i] = Vec3::Zero();
         if (object.moved || object.changed) {
             const Vec3 local = to_local(object.before, p);
             const Vec3 taken = object.changed
                                    ? Carry::taken(scene, contact.triangle, radius, local, scratch)
                                    : local;
-            sum += contact.pressure * (object.now(taken) - p);
+            ways[i] = object.now(taken) - p;
+            sum += contact.pressure * ways[i];
         }
         pressures += contact.pressure;
     }
-    return pressures > 0 ? Vec3(p + sum / pressures) : p;
+    if (!(pressures > 0)) return {p, 0, 0};
+    const Vec3 way = sum / pressures;
+    CarriedGoal goal{p + way, way.norm(), 0};
+    for (const Vec3& each : std::span(ways).first(contacts.size()))
+        goal.spread = std::max(goal.spread, (each - way).norm());
+    return goal;
 }
 
 } // namespace proxima

@@ -60,10 +60,17 @@ private:
                                                     const Vec3& from, const Vec3& goal,
                                                     CarryScratch& scratch) noexcept;
 
+/// Where moving objects carry a proxy.
+struct CarriedGoal {
+    Vec3 position = Vec3::Zero();
+    double way = 0;    ///< from where the proxy was
+    double spread = 0; ///< no contact alone would carry it farther from there than this
+};
+
 /// The position to which moving objects carry a proxy with these contacts, each by its part of the
 /// pressure. An object whose shape changes carries it with the nearest triangle, and onto it.
-[[nodiscard]] Vec3 carried_position(const MovingSurface& scene, double radius,
-                                    std::span<const Contact> contacts, const Vec3& p,
-                                    CarryScratch& scratch) noexcept;
+[[nodiscard]] CarriedGoal carried_position(const MovingSurface& scene, double radius,
+                                           std::span<const Contact> contacts, const Vec3& p,
+                                           CarryScratch& scratch) noexcept;
 
 } // namespace proxima

@@ -72,6 +72,17 @@ std::array<SettingField, setting_count> fields_of(const ToolRecordingSettings& s
              {"guard", guard_number(render.guard), 0, last_guard}}};
 }
 
+Status check_fields(std::span<const SettingField> fields)
+{
+    for (const SettingField& field : fields) {
+        if (field.value >= field.least && field.value <= field.most) continue;
+        return fail(ErrorCode::malformed_file,
+                    concat(field.name, " is ", field.value, " and must be ", field.least, " to ",
+                           field.most));
+    }
+    return {};
+}
+
 ToolRecordingSettings settings_of(std::span<const double> n)
 {
     ToolRecordingSettings settings;
@@ -149,13 +160,11 @@ Result<ToolRecording> tool_recording_of(const BinaryFile& file)
     recording.settings = settings_of(*numbers);
     recording.settings.model_fingerprint = meshes->front();
     recording.settings.tool_fingerprint = meshes->back();
-    const auto fields = fields_of(recording.settings);
-    for (std::size_t i = 0; i < count; ++i) {
-        const double value = (*numbers)[i];
-        if (value >= fields[i].least && value <= fields[i].most) continue;
-        return malformed(concat(fields[i].name, " is ", value, " and must be ", fields[i].least,
-                                " to ", fields[i].most));
-    }
+    // The file's own numbers, some of which the settings cannot hold.
+    auto fields = fields_of(recording.settings);
+    for (std::size_t i = 0; i < count; ++i) fields[i].value = (*numbers)[i];
+    if (const Status status = check_fields(fields); !status)
+        return malformed(status.error().message);
     for (std::size_t i = 0; i < ticks->size(); ++i) {
         if ((*ticks)[i].condition < input_conditions) continue;
         return malformed(concat("tick ", i, ": condition is ", (*ticks)[i].condition,
@@ -166,6 +175,11 @@ Result<ToolRecording> tool_recording_of(const BinaryFile& file)
 }
 
 } // namespace
+
+Status check_settings(const ToolRecordingSettings& settings)
+{
+    return check_fields(fields_of(settings));
+}
 
 DeviceLimits ToolRecordingSettings::device() const
 {

@@ -53,6 +53,10 @@ struct ToolRecording {
     std::vector<RecordedToolTick> ticks;
 };
 
+/// Error malformed_file, without a place or advice, naming the first number that is out of range:
+/// load_tool_recording refuses it.
+[[nodiscard]] Status check_settings(const ToolRecordingSettings& settings);
+
 [[nodiscard]] RecordedToolTick recorded(const DeviceState& state, const ToolTick& tick) noexcept;
 
 /// The device's state in a recorded tick.

@@ -126,7 +126,9 @@ double QueryDensity::probability(const CellDensity& cell, CellKey key) const
         const double low = -frame_half_ + edge * position[static_cast<std::size_t>(axis)];
         const double inside =
             std::min(low + edge, box_half_[axis]) - std::max(low, -box_half_[axis]);
-        part *= std::max(inside, 0.0) / (2 * box_half_[axis]);
+        // A box that is a single place is in a cell or not.
+        part *= box_half_[axis] > 0 ? std::max(inside, 0.0) / (2 * box_half_[axis])
+                                    : static_cast<double>(inside >= 0);
     }
     return 0.5 * part + 0.5 * cell.surface;
 }
