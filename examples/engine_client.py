@@ -195,6 +195,8 @@ def open_channel(name, patience=0):
     kind, _, rest = name.partition(":")
     if kind == "udp":
         host, _, port = rest.rpartition(":")
+        if not port.isdecimal() or not 0 < int(port) < 65536:
+            raise ChannelError(f"{name} is no channel: give a port from 1 to 65535")
         return UdpChannel(host or "127.0.0.1", int(port))
     if kind != "shm":
         raise ChannelError(f"{name} is no channel: give udp:PORT, udp:ADDRESS:PORT or shm:NAME")
@@ -223,7 +225,14 @@ def main():
     parser.add_argument("--material", help="stiffness,damping,static friction,dynamic friction")
     parser.add_argument("--csv", help="write a row for each tick")
     options = parser.parse_args()
-    material = tuple(map(float, options.material.split(","))) if options.material else None
+    if not options.rate > 0:
+        parser.error("--rate must be more than 0")
+    try:
+        material = tuple(map(float, options.material.split(","))) if options.material else None
+    except ValueError:
+        material = ()
+    if material is not None and len(material) != 4:
+        parser.error("--material takes four numbers")
     channel = open_channel(options.channel, options.patience)
     started = time.monotonic()
     first = heard = None

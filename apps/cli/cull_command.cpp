@@ -97,6 +97,10 @@ Status check_options(const CullOptions& options, Session& session)
                     "--target, --fov, --up",
                     "cull");
     }
+    if (options.has_planes() && options.camera.up && options.picture.empty()) {
+        return fail(ErrorCode::invalid_argument,
+                    "with planes it is of the picture: give --picture, too", "--up");
+    }
     if (options.exact && options.method == QueryMethod::thesis) {
         return fail(ErrorCode::invalid_argument,
                     "is of --method index: the thesis's method draws all that visible cells list",
@@ -302,7 +306,8 @@ Command add_cull_command(CLI::App& app)
         ->add_option("--picture", options->picture,
                      "Draw the mesh with visible triangles and cells highlighted: .png")
         ->type_name("FILE");
-    add_direction_option(*parser, "--picture-view", options->picture_angles, "the picture");
+    add_direction_option(*parser, "--picture-view", options->picture_angles, "the picture")
+        ->needs("--picture");
     add_size_option(*parser, options->camera.size, "the picture, whose shape the camera has too,",
                     most_canvas_pixels);
     parser->add_flag("--exact", options->exact,

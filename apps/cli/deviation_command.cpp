@@ -58,6 +58,10 @@ Status check_deviation_options(const DeviationOptions& options, Session& session
         return fail(ErrorCode::unsupported_format, "--out writes .ply alone", options.out);
     }
     if (Status status = check_picture(options.picture, options.view); !status) return status;
+    if (options.is_signed && options.out.empty() && options.picture.empty()) {
+        return fail(ErrorCode::invalid_argument,
+                    "is of the colours of --out and --picture: give one of them", "--signed");
+    }
     if (!options.histogram.empty()) {
         if (Status status = check_plot_format(options.histogram); !status) return status;
     }
@@ -182,12 +186,7 @@ Status write_deviation_files(const DeviationModel& a, const DeviationModel& b,
                              double largest, Session& session)
 {
     Progress* const progress = &session.progress();
-    if (!options.histogram.empty()) {
-        if (histogram.shares.empty()) {
-            return fail(ErrorCode::invalid_argument,
-                        "there is no histogram: all distances are 0, or there is no mean",
-                        "--histogram");
-        }
+    if (!options.histogram.empty() && !histogram.shares.empty()) {
         if (Status status = write_deviation_histogram(
                 histogram, fmt::format("Distances of {} and {}", a.name, b.name), options.histogram,
                 progress);
@@ -243,6 +242,11 @@ Status run_deviation(const DeviationOptions& options, Session& session)
             return status;
     }
     const DeviationHistogram histogram = histogram_of(ways, hausdorff.upper);
+    const bool lacks_histogram = !options.histogram.empty() && histogram.shares.empty();
+    if (lacks_histogram) {
+        session.note(fmt::format("{} is not written: {}", options.histogram,
+                                 hausdorff.upper > 0 ? "there is no mean" : "all distances are 0"));
+    }
     if (Status status = write_deviation_files(*a, *b, options, histogram,
                                               ways.front().greatest.distance.upper, session);
         !status)
@@ -254,7 +258,8 @@ Status run_deviation(const DeviationOptions& options, Session& session)
     if (!rotated.empty()) text += rotated + '\n';
     text += deviation_text(ways, hausdorff);
     if (!histogram.shares.empty()) text += histogram_text(histogram);
-    for (const std::string& path : {options.histogram, options.out, options.picture})
+    for (const std::string& path :
+         {lacks_histogram ? "" : options.histogram, options.out, options.picture})
         if (!path.empty()) text += fmt::format("wrote {}\n", path);
     session.print(text);
     nlohmann::ordered_json json = {{"a", a->name},
@@ -282,24 +287,29 @@ Command add_deviation_command(CLI::App& app)
         ->type_name("MODEL");
     parser->add_option("--pose", options->pose, "One pose of B")->type_name("POSE");
     const auto add_tolerance = [&](const char* name, double& number, const char* what) {
-        parser->add_option(name, number, what)->check(not_negative())->type_name("T");
+        return parser->add_option(name, number, what)->check(not_negative())->type_name("T");
     };
     add_tolerance("--tolerance", options->tolerance,
                   "How far the bounds of the greatest distance may be apart, in the meshes' unit "
                   "(default: 1e-6 of the diagonal of the box about both)");
-    add_tolerance("--mean-tolerance", options->mean_tolerance,
-                  "The same of the mean (default: 1e-5 of the diagonal)");
-    parser
-        ->add_option("--places", options->places,
-                     "Name up to so many points that are as far as any, each way")
-        ->check(CLI::Range(0U, max_deviation_places))
-        ->capture_default_str()
-        ->type_name("N");
+    CLI::Option* const mean_tolerance =
+        add_tolerance("--mean-tolerance", options->mean_tolerance,
+                      "The same of the mean (default: 1e-5 of the diagonal)");
+    CLI::Option* const places =
+        parser
+            ->add_option("--places", options->places,
+                         "Name up to so many points that are as far as any, each way")
+            ->check(CLI::Range(0U, max_deviation_places))
+            ->capture_default_str()
+            ->type_name("N");
     add_tolerance("--place-spacing", options->place_spacing,
                   "How far such points are from each other at least (default: 0.01 of the "
-                  "diagonal)");
+                  "diagonal)")
+        ->needs(places);
     parser->add_flag("--one-sided", options->one_sided, "From A to B alone");
-    parser->add_flag("--no-mean", options->no_mean, "The greatest distances alone: much quicker");
+    CLI::Option* const no_mean = parser->add_flag("--no-mean", options->no_mean,
+                                                  "The greatest distances alone: much quicker");
+    no_mean->excludes(mean_tolerance);
     parser
         ->add_option(
             "--max-splits", options->max_splits,
@@ -315,6 +325,7 @@ Command add_deviation_command(CLI::App& app)
     parser
         ->add_option("--histogram", options->histogram,
                      "Write the shares of the areas by distance: .csv, .svg, .pdf, .png")
+        ->excludes(no_mean)
         ->type_name("FILE");
     parser
         ->add_option("--out", options->out,

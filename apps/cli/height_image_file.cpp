@@ -72,7 +72,8 @@ private:
 
     [[nodiscard]] Status check_header() const
     {
-        if (png_get_color_type(png_, info_) != PNG_COLOR_TYPE_GRAY) {
+        if (png_get_color_type(png_, info_) != PNG_COLOR_TYPE_GRAY ||
+            png_get_valid(png_, info_, PNG_INFO_tRNS) != 0) {
             return fail(
                 ErrorCode::unsupported_format,
                 "this picture is not a grey one: save it in grey, without colours, a palette "

@@ -168,8 +168,10 @@ Result<PoseAnswer> find_in(const Body& a, const Body& b, const RigidTransform& p
     }
     if (options.distance) {
         const Stopwatch watch;
-        answer.nearest = mesh_distance(a.index, b.index, pose, {.start_from = last});
+        answer.nearest = mesh_distance(a.index, b.index, pose,
+                                       {.start_from = last, .progress = &session.progress()});
         answer.distance_seconds = watch.seconds();
+        if (Status status = session.check_running(); !status) return tl::unexpected(status.error());
     }
     return answer;
 }

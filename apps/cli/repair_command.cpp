@@ -273,7 +273,8 @@ void add_step_options(CLI::App& parser, MeshRepairOptions& steps)
     off("--no-orient", steps.orient, "Do not turn triangles over to match their neighbours");
     off("--no-outward", steps.turn_outward, "Do not turn closed pieces outward");
     off("--no-cavities", steps.keep_cavities,
-        "Turn closed pieces outward even inside others: they are solids, not cavities");
+        "Turn closed pieces outward even inside others: they are solids, not cavities")
+        ->excludes("--no-outward");
     off("--keep-unused", steps.drop_unused_vertices, "Keep vertices that no triangle uses");
 }
 

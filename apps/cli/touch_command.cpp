@@ -53,11 +53,14 @@ Status write_picture(const TouchCommandOptions& options, const TouchTrace& trace
     return {};
 }
 
-Status check_picture(const TouchCommandOptions& options, Session& session)
+Status check_files(const TouchCommandOptions& options, Session& session)
 {
-    if (options.picture.empty()) return {};
-    if (Status status = session.check_outputs({options.picture}); !status) return status;
-    return check_plot_format(options.picture);
+    if (Status status = session.check_outputs({options.picture, options.record}); !status)
+        return status;
+    if (!options.record.empty()) {
+        if (Status status = check_extension(options.record, ".pxt"); !status) return status;
+    }
+    return options.picture.empty() ? Status() : check_plot_format(options.picture);
 }
 
 Status run_replay(const TouchCommandOptions& options, Session& session)
@@ -151,10 +154,6 @@ Result<TouchResult> touch_with_patches(const TouchCommandOptions& options, const
 
 Status run_device(const TouchCommandOptions& options, Session& session)
 {
-    if (!options.record.empty()) {
-        if (Status status = session.check_outputs({options.record}); !status) return status;
-        if (Status status = check_extension(options.record, ".pxt"); !status) return status;
-    }
     const double bytes = recorded_bytes(settings_of(options));
     if (Status status = check_recorded_bytes(bytes, options.seconds,
                                              options.record.empty() ? "--picture" : "--record");
@@ -168,6 +167,8 @@ Status run_device(const TouchCommandOptions& options, Session& session)
     }
     std::vector<PatchAccount> patches;
     const auto result = touch_with_patches(options, **model, patches, session);
+    if (!result && result.error().code == ErrorCode::invalid_mesh)
+        return at_model(result.error(), options.model);
     if (!result) return tl::unexpected(result.error());
     Status recorded;
     if (!options.record.empty()) {
@@ -206,6 +207,12 @@ Status run_device(const TouchCommandOptions& options, Session& session)
 
 Status list_devices(const TouchCommandOptions& options, Session& session)
 {
+    for (const std::string& option : options.given) {
+        if (option != "--list-devices" && option != "--device-library") {
+            return fail(ErrorCode::invalid_argument,
+                        "has no effect with --list-devices, which touches nothing", option);
+        }
+    }
     const std::vector<FoundDevice> devices = look_for_devices(options.library);
     session.print(device_list_text(devices));
     return session.write_json(device_list_json(devices));
@@ -228,7 +235,7 @@ Status run_touch(TouchCommandOptions options, Session& session)
     if (options.self_test) return run_self_test(options, session);
     if (!options.tool.tool.empty())
         return run_tool(options.tool, options.model, options.record, settings_of(options), session);
-    if (Status status = check_picture(options, session); !status) return status;
+    if (Status status = check_files(options, session); !status) return status;
     return replays ? run_replay(options, session) : run_device(options, session);
 }
 

@@ -121,6 +121,11 @@ Status list_controls(const ViewOptions& options, Session& session)
 
 Status run_view(const ViewOptions& options, Session& session)
 {
+    if (options.list_controls && !(options.picture.empty() && options.out.empty())) {
+        return fail(ErrorCode::invalid_argument,
+                    "lists settings and draws nothing: leave --picture and --out out",
+                    "--controls");
+    }
     if (options.list_controls) return list_controls(options, session);
     if (Status status = session.check_outputs({options.picture, options.out}); !status)
         return status;

@@ -15,6 +15,7 @@
 // times the larger one's size, it is any pair whose distance is the least to within 2^-46 of it.
 #pragma once
 
+#include "proxima/execution.h"
 #include "proxima/export.h"
 #include "proxima/geometry.h"
 #include "proxima/mesh_index.h"
@@ -45,10 +46,12 @@ struct MeshDistanceOptions {
     /// An answer for another pose: less work if that was near. Any answer will do, of other meshes
     /// as well; it changes nothing else.
     const MeshDistance* start_from = nullptr;
+    /// Once it is cancelled the search ends soon, with nothing.
+    const Progress* progress = nullptr;
 };
 
 /// The distance, off by a few roundings of the coordinates that it is computed from. Nothing where
-/// a mesh is empty or they are farther apart than options.farthest. Real-time safe: noexcept, no
+/// a mesh is empty, they are farther apart than options.farthest, or the search was cancelled. Real-time safe: noexcept, no
 /// allocation, no lock, 100 KB of stack; any number of threads. 0.05 to 0.5 ms on scanned models of
 /// 70,000 triangles, a quarter of it from a near pose's answer; see docs/limitations.md for what
 /// takes longer.

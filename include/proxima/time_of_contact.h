@@ -77,8 +77,9 @@ struct TimeOfContact {
     double touches_at = 0;
     ContactEvidence evidence = ContactEvidence::intersection;
 
-    RigidTransform free_pose;    ///< of B at free_until
-    double distance = 0;         ///< of the meshes at free_until
+    RigidTransform free_pose; ///< of B at free_until
+    /// Of the meshes at free_until. Infinite, with points 0, where the progress was cancelled meanwhile.
+    double distance = 0;
     Vec3 point_a = Vec3::Zero(); ///< their closest points then
     Vec3 point_b = Vec3::Zero();
     TriangleId triangle_a = {};

@@ -63,11 +63,12 @@ py::object distance_to(const MeshIndex& index, const MeshIndex& other, const py:
                                 no_triangle};
         MeshDistance last;
         for (std::size_t i = 0; i < count; ++i) {
+            const auto found = mesh_distance(index, other, moved.poses[i],
+                                             {.farthest = farthest,
+                                              .start_from = i == 0 ? nullptr : &last,
+                                              .progress = watched});
             if (watched->cancelled())
                 return fail(ErrorCode::cancelled, "the search for distances was cancelled");
-            const auto found =
-                mesh_distance(index, other, moved.poses[i],
-                              {.farthest = farthest, .start_from = i == 0 ? nullptr : &last});
             const MeshDistance& answer = found ? *found : none;
             if (found) last = *found;
             distances[i] = answer.distance;

@@ -2,6 +2,7 @@
 #include "index_methods.h"
 #include "proxima/cull.h"
 #include "proxima/view_volume.h"
+#include "unlocked.h"
 
 #include <vector>
 
@@ -25,7 +26,7 @@ py::array visible_triangles(const MeshIndex& index, const py::object& planes, bo
     const ViewVolume volume = volume_of(planes);
     std::vector<TriangleId> ids;
     {
-        const py::gil_scoped_release unlocked;
+        const Unlocked unlocked;
         visible_triangles(index, volume, exact ? CullMode::exact : CullMode::conservative, ids);
     }
     return array_of<std::int32_t>(std::span<const TriangleId>(ids));

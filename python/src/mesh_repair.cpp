@@ -3,6 +3,7 @@
 #include "bindings.h"
 #include "proxima/mesh_report.h"
 #include "run.h"
+#include "unlocked.h"
 
 #include <optional>
 #include <string>
@@ -109,7 +110,7 @@ TriangleMesh part(const TriangleMesh& mesh, const py::object& triangles)
         }
         ids.push_back(TriangleId{static_cast<std::uint32_t>(id)});
     }
-    const py::gil_scoped_release unlocked;
+    const Unlocked unlocked;
     return sub_mesh(mesh, ids);
 }
 

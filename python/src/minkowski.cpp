@@ -3,6 +3,7 @@
 #include "proxima/convex_polyhedron.h"
 #include "proxima/minkowski_sum.h"
 #include "run.h"
+#include "unlocked.h"
 
 #include <pybind11/operators.h>
 #include <string>
@@ -78,7 +79,7 @@ py::array contains_points(const MinkowskiSum& sum, const py::object& points)
     auto answers = new_array<bool>(argument.size());
     const auto to = elements_of<bool>(answers);
     {
-        const py::gil_scoped_release unlocked;
+        const Unlocked unlocked;
         for (std::size_t i = 0; i < to.size(); ++i) to[i] = contains(sum, argument.points()[i]);
     }
     return answers;
@@ -97,7 +98,7 @@ py::object distances_of(const MinkowskiSum& sum, const py::object& points)
     double* const distance_to = distance.mutable_data();
     std::int32_t* const facet_to = facet.mutable_data();
     {
-        const py::gil_scoped_release unlocked;
+        const Unlocked unlocked;
         for (std::size_t i = 0; i < argument.size(); ++i) {
             const SurfacePoint found = signed_distance(sum, argument.points()[i]);
             distance_to[i] = found.distance;

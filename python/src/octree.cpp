@@ -4,6 +4,7 @@
 #include "pickled.h"
 #include "proxima/octree_io.h"
 #include "run.h"
+#include "unlocked.h"
 
 #include <filesystem>
 #include <limits>
@@ -123,7 +124,7 @@ py::object leaves_of(const Octree& octree)
                       triangles.mutable_data()};
     first.mutable_data()[0] = 0;
     {
-        const py::gil_scoped_release unlocked;
+        const Unlocked unlocked;
         traverse(octree, writer);
     }
     return result_type("Leaves")(keys, depths, kinds, lower, upper, first, triangles);

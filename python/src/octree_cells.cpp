@@ -5,6 +5,7 @@
 #include "proxima/cull.h"
 #include "proxima/octree.h"
 #include "run.h"
+#include "unlocked.h"
 
 #include <algorithm>
 #include <string>
@@ -48,7 +49,7 @@ py::array visible_cells(const Octree& octree, const py::object& planes, bool exa
     const ViewVolume volume = volume_of(planes);
     std::vector<std::int32_t> rows;
     {
-        const py::gil_scoped_release unlocked;
+        const Unlocked unlocked;
         const LeafRows leaves(octree);
         visible_cells(octree, volume, exact ? CullMode::exact : CullMode::conservative,
                       [&](const VisibleCell& cell) {

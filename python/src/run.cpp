@@ -1,4 +1,5 @@
 #include "run.h"
+#include "unlocked.h"
 
 #include <chrono>
 #include <condition_variable>
@@ -69,7 +70,7 @@ void run_watched(const py::object& callback, FunctionRef<void(Progress*)> work)
 {
     constexpr std::chrono::milliseconds first_wait{5};
     constexpr std::chrono::milliseconds wait{50};
-    const py::gil_scoped_release unlocked;
+    const Unlocked unlocked;
     Worker worker(work);
     bool done = worker.wait_for(first_wait);
     while (!done) {
@@ -98,7 +99,7 @@ void run_unlocked(const py::object& callback, Duration duration, FunctionRef<voi
     if (duration == Duration::lengthy || !callback.is_none()) {
         run_watched(callback, work);
     } else {
-        const py::gil_scoped_release unlocked;
+        const Unlocked unlocked;
         work(nullptr);
     }
 }

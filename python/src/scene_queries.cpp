@@ -120,24 +120,35 @@ py::object cast_rays_in_scene(const Scene& self, const py::object& origins,
     refuse("hits", R"(must be "first", "any" or "all", is ")" + hits + "\"");
 }
 
-/// The triangles of ranges of rows, those of each instance ascending.
-py::object triangles_in(const Scene& self, std::span<const InstanceRange> ranges)
+struct VisibleTriangles {
+    std::vector<InstanceId> instances; ///< one for each triangle
+    std::vector<TriangleId> triangles; ///< those of each instance ascending
+};
+
+/// The triangles of ranges of rows.
+Result<VisibleTriangles> triangles_in(const Scene& self, std::span<const InstanceRange> ranges,
+                                      Progress* watched)
 {
-    std::vector<InstanceId> instances;
-    std::vector<TriangleId> triangles;
+    std::size_t count = 0;
+    for (const InstanceRange& range : ranges) count += range.rows.count;
+    watched->begin_stage("visible triangles", count);
+    VisibleTriangles visible;
+    visible.instances.reserve(count);
+    visible.triangles.reserve(count);
     for (std::size_t i = 0; i < ranges.size();) {
+        if (watched->cancelled()) return fail(ErrorCode::cancelled, "the search was cancelled");
         const InstanceId id = ranges[i].instance;
         const auto ids = self.shape(self.instance(id).shape).ids();
-        const auto first = static_cast<std::ptrdiff_t>(triangles.size());
+        const std::size_t first = visible.triangles.size();
         for (; i < ranges.size() && ranges[i].instance == id; ++i) {
             const auto rows = ids.subspan(ranges[i].rows.first, ranges[i].rows.count);
-            triangles.insert(triangles.end(), rows.begin(), rows.end());
+            visible.triangles.insert(visible.triangles.end(), rows.begin(), rows.end());
         }
-        std::sort(triangles.begin() + first, triangles.end());
-        instances.resize(triangles.size(), id);
+        std::ranges::sort(std::span(visible.triangles).subspan(first));
+        visible.instances.resize(visible.triangles.size(), id);
+        watched->advance(visible.triangles.size() - first);
     }
-    return result_type("InstanceTriangles")(
-        instances_of(instances), array_of<std::int32_t>(std::span<const TriangleId>(triangles)));
+    return visible;
 }
 
 py::object visible_instances(const Scene& self, const py::object& planes, bool triangles,
@@ -155,10 +166,16 @@ py::object visible_instances(const Scene& self, const py::object& planes, bool t
             return visible_instances(self, volume, options);
         }));
     }
-    return triangles_in(self, run(progress, Duration::lengthy, [&](Progress* watched) {
-                            watch(watched);
-                            return visible_ranges(self, volume, options);
-                        }));
+    const VisibleTriangles visible =
+        run(progress, Duration::lengthy, [&](Progress* watched) -> Result<VisibleTriangles> {
+            watch(watched);
+            const auto ranges = visible_ranges(self, volume, options);
+            if (!ranges) return tl::unexpected(ranges.error());
+            return triangles_in(self, *ranges, watched);
+        });
+    return result_type("InstanceTriangles")(
+        instances_of(visible.instances),
+        array_of<std::int32_t>(std::span<const TriangleId>(visible.triangles)));
 }
 
 py::array instances_in_box(const Scene& self, const py::object& lower, const py::object& upper,

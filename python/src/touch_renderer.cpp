@@ -6,6 +6,7 @@
 #include "run.h"
 #include "touch.h"
 #include "touch_replay.h"
+#include "unlocked.h"
 
 #include <algorithm>
 #include <array>
@@ -175,7 +176,7 @@ py::object step(SharedRenderer& self, const py::object& positions, const py::obj
 
 void reset(SharedRenderer& self)
 {
-    const py::gil_scoped_release unlocked;
+    const Unlocked unlocked;
     self.exclusively([](HapticRenderer& renderer) { renderer.reset(); });
 }
 

@@ -4,6 +4,7 @@
 #include "proxima/mesh_index.h"
 #include "run.h"
 #include "touch.h"
+#include "unlocked.h"
 
 #include <algorithm>
 #include <array>
@@ -96,7 +97,7 @@ py::array pose(SharedScene& self, Integer object)
     RigidTransform now;
     {
         const ObjectId id = object_numbered(self, object);
-        const py::gil_scoped_release unlocked; // a tick under way is waited for
+        const Unlocked unlocked; // a tick under way is waited for
         const std::lock_guard lock(self.ticks);
         now = self.scene.pose(id);
     }

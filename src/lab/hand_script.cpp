@@ -280,8 +280,9 @@ Result<HandScript> HandScript::make(std::string_view name, const TriangleMesh& m
         if (script.name != name) continue;
         ScriptWriter writer(mesh, topology, map, seed, parts);
         if (!writer.has_surface()) {
-            return fail(ErrorCode::invalid_mesh,
-                        "no triangle has an area: there is nothing to touch");
+            return fail(
+                ErrorCode::invalid_mesh,
+                "no triangle has an area that is a normal number: there is nothing to touch");
         }
         (writer.*script.write)();
         return std::move(writer).finish();

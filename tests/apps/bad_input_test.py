@@ -4,6 +4,7 @@ import random
 import resource
 import time
 import unittest
+from pathlib import Path
 
 import mesh_files
 from proxima_program import SANITIZED, ProgramTest, run
@@ -246,6 +247,50 @@ class Outputs(ProgramTest):
                               ("--out", "--out"), ("--out", "--picture")):
             with self.subTest(first, second=second):
                 self.refuse("octree", "cube", first, path, second, same, says=("a.ply", "two outputs"))
+
+    def test_outputs_that_are_one_file_through_a_link_without_a_target(self):
+        (self.folder / "y.csv").symlink_to("x.csv")
+        self.refuse("closest", "cube", "--point", "1,2,3", "--out", self.folder / "x.csv", "--json", self.folder / "y.csv",
+                    says=("y.csv", "two outputs"))
+        self.assertFalse((self.folder / "x.csv").exists())
+        touch = ("touch", "cube", "--device", "hand:press", "--seconds", 0.1, "--free-running")
+        for first, second in (("--picture", "--json"), ("--record", "--json"), ("--record", "--picture")):
+            with self.subTest(first, second=second):
+                self.refuse(*touch, first, self.folder / "a.pxt", second, self.folder / "a.pxt", says=("a.pxt", "two outputs"))
+
+    def test_options_without_effect(self):
+        for command in (("deviation", "cube", "icosphere:1", "--signed"),
+                        ("deviation", "cube", "icosphere:1", "--place-spacing", "0.1"),
+                        ("deviation", "cube", "icosphere:1", "--no-mean", "--mean-tolerance", "0.1"),
+                        ("deviation", "cube", "icosphere:1", "--no-mean", "--histogram", self.folder / "h.csv"),
+                        ("cull", "cube", "--plane", "1,0,0,0", "--picture-view", "top"),
+                        ("cull", "cube", "--plane", "1,0,0,0", "--up", "x"),
+                        ("repair", "cube", "--no-outward", "--no-cavities"),
+                        ("touch", "cube", "--device", "hand:press", "--list-devices"),
+                        ("touch", "--list-devices", "--record", self.folder / "lost.pxt"),
+                        ("touch", "--list-devices", "--self-test")):
+            with self.subTest(command):
+                result = run(*command)
+                self.assertIn(result.returncode, (1, 2))
+                self.assertTrue(any(word in result.stderr for word in command if str(word).startswith("--")), result.stderr)
+
+    def test_meshes_that_are_too_large_to_touch(self):
+        huge = self.file("huge.obj", "".join(f"v {x}e150 {y}e150 {z}e150\n" for x in (0, 1) for y in (0, 1) for z in (0, 1)) +
+                         "f 1 2 4\nf 1 4 3\nf 5 8 6\nf 5 7 8\nf 1 5 6\nf 1 6 2\nf 3 4 8\nf 3 8 7\nf 1 3 7\nf 1 7 5\nf 2 6 8\nf 2 8 4\n")
+        self.refuse("touch", huge, "--device", "hand:press", "--free-running", "--seconds", 0.1, says=("huge.obj", "too large"))
+        large = self.file("large.obj", Path(huge).read_text().replace("e150", "e100"))
+        session = self.folder / "large.pxt"
+        touch = ("touch", large, "--device", "hand:press", "--free-running", "--seconds", 0.1)
+        self.succeed(*touch)
+        for more in ((), ("--tool", "icosphere:1", "--tool-scale", 0.05)):
+            self.refuse(*touch, *more, "--record", session, says=("--record", "could not be replayed", "units_per_metre"))
+            self.assertFalse(session.exists())
+
+    def test_lists_of_a_single_place(self):
+        for text in ("1 2 3\n", "0 0 0\n", "1 2 3\n1 2 3\n"):
+            points, index = self.file("point.xyz", text), self.folder / "point.pxi"
+            self.succeed("index", points, "--lists", "--save", index)
+            self.succeed("closest", index, "--point", "5,2,3")
 
     def test_what_is_read_is_not_written(self):
         mesh = self.file("a.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n")

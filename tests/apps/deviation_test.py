@@ -4,7 +4,7 @@ import math
 import struct
 import unittest
 
-from proxima_program import ProgramTest
+from proxima_program import ProgramTest, run
 
 WAY = ["greatest", "complete", "point_a", "point_b", "triangle_a", "triangle_b", "splits", "seconds"]
 MEAN = ["mean", "root_mean_square", "mean_complete", "area", "histogram", "mean_splits", "mean_seconds"]
@@ -127,7 +127,14 @@ class RefusingDeviation(ProgramTest):
         self.refuse("deviation", "cube", "cube", "--histogram", self.folder / "a.txt", says=".csv")
         self.refuse("deviation", "cube", "cube", "--pose", "1,2", says="pose")
         self.refuse("deviation", "cube", "none.obj", says="none.obj")
-        self.refuse("deviation", "cube", "cube", "--histogram", self.folder / "a.csv", says="no histogram")
+
+    def test_equal_meshes_have_no_histogram_and_all_else(self):
+        histogram, coloured = self.folder / "a.csv", self.folder / "a.ply"
+        result = run("deviation", "cube", "cube", "--histogram", histogram, "--out", coloured)
+        self.assertEqual(result.returncode, 0, result.stderr)
+        self.assertIn("a.csv is not written: all distances are 0", result.stderr)
+        self.assertNotIn("a.csv", result.stdout)
+        self.assertTrue(coloured.exists() and not histogram.exists())
 
 
 if __name__ == "__main__":

@@ -142,6 +142,60 @@ TEST(DeformingSurface, AHandThatJawsDriveOutStaysOnItsSide)
     EXPECT_GT(left, 0);
 }
 
+// The lower side of the upper box is one plane: what slides along it grazes its other triangles, and
+// its border.
+TEST(DeformingSurface, AHandBetweenClosingBoxesEscapesAsFromBoxesThatMove)
+{
+    constexpr std::uint32_t seed = 2601;
+    std::mt19937 random(seed);
+    const auto number = [&](double least, double most) {
+        return std::uniform_real_distribution<double>(least, most)(random);
+    };
+    int touching = 0;
+    for (int run = 0; run < 60; ++run) {
+        const TriangleMesh flat = box_mesh(Vec3(1, 1, 0.3));
+        const RigidTransform tilt =
+            posed(number(0.001, 0.1), Vec3(number(-1, 1), 1, 0), Vec3::Zero());
+        const double gap = number(0.15, 0.4);
+        const Vec3 middle(number(-0.3, 0.3), number(-0.3, 0.3), 0.3 + gap);
+        const TriangleMesh tilted =
+            moved(flat, [&](const Vec3& p) { return Vec3(tilt(p) + middle); });
+        const Vec3 down(number(-0.05, 0.05), number(-0.05, 0.05), -number(gap, gap + 0.3));
+        const int ticks = 5 + run;
+        const double part = number(0.3, 0.6);
+        const Vec3 place(number(-0.4, 0.4), number(-0.4, 0.4), part * gap);
+        for (const bool deforms : {false, true}) {
+            TouchScene scene(Box{Vec3(-4, -4, -4), Vec3(4, 4, 4)});
+            const TouchBody low =
+                body_of(moved(flat, [](const Vec3& p) { return Vec3(p - Vec3(0, 0, 0.3)); }));
+            const TouchBody high = body_of(tilted);
+            ASSERT_TRUE(scene.add(low, {}));
+            const auto upper = scene.add(high, {});
+            HapticRenderer renderer =
+                make_haptic_renderer(scene, same_unit, strong_device(), plain(0, 0)).value();
+            (void)renderer.tick(at(place), tick_seconds);
+            if (!renderer.last().is_placed || renderer.last().hold != Hold::free) continue;
+            if (deforms) {
+                const auto closed = refit_touch_body(
+                    high,
+                    positions_of(moved(tilted, [&](const Vec3& p) { return Vec3(p + down); })));
+                ASSERT_TRUE(closed && scene.deform(*upper, *closed, ticks * tick_seconds));
+            } else {
+                ASSERT_TRUE(
+                    scene.move(*upper, {.pose = at_place(down), .seconds = ticks * tick_seconds}));
+            }
+            for (int tick = 0; tick < ticks + 5; ++tick) {
+                const RenderTick& felt = renderer.tick(at(place), tick_seconds);
+                ASSERT_FALSE(felt.squeezed)
+                    << "deforms " << deforms << ", seed " << seed << ", run " << run;
+                ASSERT_TRUE(felt.is_placed);
+                touching += felt.hold != Hold::free ? 1 : 0;
+            }
+        }
+    }
+    EXPECT_GT(touching, 100);
+}
+
 TEST(DeformingSurface, AWaveOfTwentyThousandTrianglesPassesNothing)
 {
     const TriangleMesh flat = flat_cloth(100);

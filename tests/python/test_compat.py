@@ -108,6 +108,20 @@ def test_trimesh_rays(mesh, lookalike):
     assert np.array_equal(with_places[0], triangles) and with_places[2].shape == (len(rays), 3)
 
 
+def test_trimesh_rays_from_one_origin(lookalike):
+    ray = trimesh.RayMeshIntersector(lookalike)
+    directions = np.random.default_rng(7).normal(size=(50, 3))
+    one, many = np.array([0.1, 0.2, 0.3]), np.tile([0.1, 0.2, 0.3], (50, 1))
+    for several in (True, False):
+        for mine, theirs in zip(ray.intersects_location(one, directions, several), ray.intersects_location(many, directions, several)):
+            assert np.array_equal(mine, theirs) and len(mine) > 5
+    with pytest.raises(proxima.Error):
+        ray.intersects_id([["0", "0.1", "5"]], [[0, 0, -1]])
+    for given in (np.ma.masked_array([[0.0, 0, 9]], mask=[[1, 0, 0]]), [["0", "0", "9"]], [0.0, 0, 9]):
+        with pytest.raises(proxima.Error):
+            trimesh.ProximityQuery(lookalike).on_surface(given)
+
+
 def test_trimesh_counts_a_hit_on_an_edge_once_where_it_says_the_place():
     """As trimesh's own test_on_vertex: rays from the middle of a box to its corners."""
     cube = proxima.Mesh.sample("cube")

@@ -3,6 +3,7 @@ import gc
 import os
 import pickle
 import signal
+import subprocess
 import sys
 import threading
 import time
@@ -407,6 +408,26 @@ def test_other_threads_run_meanwhile(index):
         time.sleep(1e-4)
     worker.join()
     assert turns > 20
+
+
+@pytest.mark.parametrize("work", ["index.closest(points, threads=1)", "index.closest(points[:9])", "proxima.Index(mesh, lists=True)",
+                                  "index.cast(points, -points)"])
+def test_a_process_ends_while_a_daemon_thread_works(work):
+    program = f"""if True:
+        import threading, time
+        import numpy as np
+        import proxima
+        mesh = proxima.Mesh.sample("icosphere:4")
+        index = proxima.Index(mesh)
+        points = np.random.default_rng(1).normal(size=(20_000, 3))
+        def ask():
+            while True:
+                {work}
+        threading.Thread(target=ask, daemon=True).start()
+        time.sleep(0.3)
+    """
+    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, timeout=120)
+    assert (done.returncode, done.stderr) == (0, "")
 
 
 def test_queries_from_many_threads(index, points):

@@ -290,7 +290,8 @@ LEFT_OUT = {
         "MeshMeeting.triangle_b MeetingOptions.start_from": "for loops in C++ over poses that change little",
         "IntersectionContour.points_of": NAMES, "build_enclosure Enclosure.method Enclosure.parts": STRUCTURE},
     "mesh_distance.h": {"MeshDistance.part_a MeshDistance.part_b MeshDistance.row_a MeshDistance.row_b": STRUCTURE,
-                        "MeshDistanceOptions.start_from": "poses of one call start from each other"},
+                        "MeshDistanceOptions.start_from": "poses of one call start from each other",
+                        "MeshDistanceOptions.progress": "progress= of distance_to"},
     "mesh_index.h": {
         "bytes_of MeshIndexBytes.blocks MeshIndexBytes.ids MeshIndexBytes.incidences MeshIndexBytes.lists MeshIndexBytes.rows "
         "MeshIndexBytes.signs MeshIndexBytes.slabs": STRUCTURE, "default_list_bytes ListOptions.margin ListOptions.max_depth":

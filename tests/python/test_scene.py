@@ -302,6 +302,32 @@ def test_long_work_stops_on_request_and_leaves_others_running(world):
             world.scene.cast(many, np.tile(world.directions, (20_000, 1)), hits="all", threads=1)
 
 
+def test_one_long_distance_stops_on_request():
+    large = proxima.Mesh.sample("icosphere:5")
+    inner = proxima.Index(proxima.Mesh(0.99 * large.vertices, large.faces))
+    outer = proxima.Index(large)
+    copies = proxima.Scene([outer, inner], np.tile(np.eye(4), (2, 1, 1)), [0, 1])
+    with pytest.raises(proxima.Cancelled):
+        outer.distance_to(inner, progress=lambda *_: False)
+    with pytest.raises(proxima.Cancelled):
+        outer.time_of_contact(inner, proxima.Motion(turn=(3, 4, 5)), progress=lambda *_: False)
+    with pytest.raises(proxima.Cancelled):
+        copies.within(1, progress=lambda *_: False)
+
+
+def test_visible_triangles_of_many_copies_stop_on_request():
+    ball = proxima.Index(proxima.Mesh.sample("icosphere:4"))
+    copies = proxima.Scene(ball, np.tile(np.eye(4), (2000, 1, 1)))
+    told = []
+
+    def stop(stage, part):
+        told.append((stage, part))
+        return stage != "visible triangles"
+    with pytest.raises(proxima.Cancelled):
+        copies.visible([[0, 0, 1, 0.5]], triangles=True, progress=stop)
+    assert told[-1][0] == "visible triangles" and told[-1][1] < 1
+
+
 @compared
 def test_answers_have_the_bits_of_the_program(world, tmp_path):
     np.save(tmp_path / "poses.npy", world.poses.reshape(-1, 12))

@@ -64,7 +64,7 @@ def signed_distance(P: ArrayLike, V: ArrayLike, F: ArrayLike, sign_type: int = S
 
 def _arrays(P: ArrayLike, F: ArrayLike) -> tuple[NDArray[Any], Any, Any]:
     """P as rows, and the dtypes of answers."""
-    points, faces = np.asarray(P), np.asarray(F)
+    points, faces = np.asanyarray(P), np.asanyarray(F)
     lengths = np.float32 if points.dtype == np.float32 else np.float64
     return points.reshape(1, 3) if points.shape == (3,) else points, lengths, faces.dtype if faces.dtype.kind == "i" else np.int64
 

@@ -153,8 +153,8 @@ class RaycastingScene:
 
 
 def _array(given: Any) -> NDArray[Any]:
-    """The array of a tensor or of what NumPy takes."""
-    return np.asarray(given.numpy() if hasattr(given, "numpy") else given)
+    """The array of a tensor or of what NumPy takes; a masked one stays masked, which is refused."""
+    return np.asanyarray(given.numpy() if hasattr(given, "numpy") else given)
 
 
 def _rows(given: Any, columns: int, name: str) -> tuple[tuple[int, ...], NDArray[Any]]:

@@ -43,8 +43,8 @@ class ProximityQuery:
 
     def on_surface(self, points: ArrayLike) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.int64]]:
         """Closest points (m, 3), distances (m,) and triangles (m,) of points (m, 3)."""
-        points = np.asarray(points)
         closest = self._index.closest(points)
+        points = np.asarray(points, np.float64)
         triangle = closest.triangle.astype(np.int64)
         shared = np.flatnonzero((closest.feature_kind < 2) & (closest.distance > MERGE))
         if len(shared):
@@ -97,18 +97,18 @@ class RayMeshIntersector:
         """Triangles (h,) and rays (h,) of all hits, or of the first of each ray; with return_locations also where, (h, 3).
 
         As in trimesh a hit on an edge counts for each of its triangles, and once where locations are returned."""
-        origins, directions = np.asarray(ray_origins, np.float64), np.asarray(ray_directions, np.float64)
         if multiple_hits:
-            lists = self._index.cast(origins, directions, hits="all")
-            ray = np.repeat(np.arange(len(directions)), np.diff(lists.first))
+            lists = self._index.cast(ray_origins, ray_directions, hits="all")
+            ray = np.repeat(np.arange(len(lists.first) - 1), np.diff(lists.first))
             t, triangle = lists.t, lists.triangle
         else:
-            hits = self._index.cast(origins, directions)
+            hits = self._index.cast(ray_origins, ray_directions)
             ray = np.flatnonzero(hits.hit)
             t, triangle = hits.t[ray], hits.triangle[ray]
         triangle = triangle.astype(np.int64)
         if not return_locations:
             return triangle, ray
+        origins, directions = np.broadcast_arrays(np.asarray(ray_origins, np.float64), np.asarray(ray_directions, np.float64))
         places = origins[ray] + t[:, None] * directions[ray]
         again = (ray[1:] == ray[:-1]) & (np.abs(places[1:] - places[:-1]).max(axis=1, initial=0) <= MERGE)
         first = np.concatenate((np.ones(min(len(ray), 1), bool), ~again))

@@ -76,18 +76,20 @@ Vec3 separating_direction(const Triangle& triangle, const Vec3& p) noexcept
 std::optional<double> touch_time(const MovingTriangle& triangle, double radius, const Vec3& p,
                                  const Vec3& motion, double tolerance) noexcept
 {
+    // A sphere that slides along a surface grazes its sides and corners at its radius: no touch.
+    const double least = radius - tolerance;
     double t = 0;
     for (int step = 0; step < most_steps; ++step) {
         const Triangle there = triangle.at(t);
         const Vec3 center = p + t * motion;
         const Vec3 direction = separating_direction(there, center);
-        if (!(separation(there, center, direction) > radius + tolerance)) return t;
-        // Until the first corner comes within the radius along this direction.
+        if (!(separation(there, center, direction) > least + 0.5 * tolerance)) return t;
+        // Until the first corner comes within that along this direction.
         double next = 2;
         for (int k = 0; k < 3; ++k) {
             const double begin = direction.dot(p - triangle.before[k]);
             const double end = direction.dot(p + motion - triangle.now[k]);
-            if (end < radius) next = std::min(next, (begin - radius) / (begin - end));
+            if (end < least) next = std::min(next, (begin - least) / (begin - end));
         }
         if (next >= 1) return std::nullopt;
         if (!(next > t)) return t;

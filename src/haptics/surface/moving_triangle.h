@@ -42,9 +42,9 @@ struct MovingTriangle {
 /// 0.2 us.
 [[nodiscard]] Vec3 separating_direction(const Triangle& triangle, const Vec3& p) noexcept;
 
-/// A time before which the sphere does not touch the triangle: where it is no more than `tolerance`
-/// apart from it, or where 64 steps ended, as grazes may take. Nothing where it does not touch it at
-/// all. noexcept, no allocation, 0.2 us for each step. \pre at t = 0 the centre is farther than the radius; radius > 0, tolerance > 0
+/// A time before which the sphere comes no deeper into the triangle than by `tolerance`: where it is
+/// half as deep or more, or where 64 steps ended. Nothing where it comes no deeper at all, as where it
+/// slides past. noexcept, no allocation, 0.2 us for each step. \pre at t = 0 the centre is farther than the radius; radius > 0, tolerance > 0
 [[nodiscard]] std::optional<double> touch_time(const MovingTriangle& triangle, double radius,
                                                const Vec3& p, const Vec3& motion,
                                                double tolerance) noexcept;

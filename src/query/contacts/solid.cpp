@@ -49,8 +49,10 @@ Status check_solid(const MeshIndex& index, const TriangleMesh& mesh, const Execu
     };
     if (!report->closed) {
         const MeshFinding* const open = report->find(FindingKind::boundary_edges);
+        if (open == nullptr)
+            return refuse("no triangle of the mesh has an area, so it has no inside");
         return refuse(
-            concat("the mesh is open: ", open != nullptr ? open->count : 0,
+            concat("the mesh is open: ", open->count,
                    " edges have one triangle, and only a closed mesh has an inside; close "
                    "its holes, or take its convex hull"));
     }

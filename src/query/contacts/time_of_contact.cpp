@@ -52,15 +52,16 @@ double meeting_after(const MeshIndex& a, const MeshIndex& b, const RigidMotion& 
     return at_once;
 }
 
-/// What is known of B at a time.
+/// What is known of B at a time. No distance is where the progress is cancelled.
 void place(TimeOfContact& answer, const MeshIndex& a, const MeshIndex& b, const RigidMotion& motion,
-           const FirstContact& found)
+           const FirstContact& found, const Progress* progress)
 {
     answer.free_until = found.free_until;
     answer.free_pose = pose_at(motion, found.free_until);
     const MeshDistance hint = {.row_a = found.row_a, .row_b = found.row_b};
     const MeshDistance nearest =
-        mesh_distance(a, b, answer.free_pose, {.start_from = &hint}).value_or(MeshDistance{});
+        mesh_distance(a, b, answer.free_pose, {.start_from = &hint, .progress = progress})
+            .value_or(MeshDistance{});
     answer.distance = nearest.distance;
     answer.point_a = nearest.point_a;
     answer.point_b = nearest.point_b;
@@ -81,7 +82,7 @@ std::optional<TimeOfContact> time_of_contact(const MeshIndex& a, const MeshIndex
     PROXIMA_CHECK(length_of(motion.turn) <= max_motion_turn);
     TimeOfContact answer;
     if (meshes_intersect(a, b, motion.start)) {
-        place(answer, a, b, motion, {.free_until = 0});
+        place(answer, a, b, motion, {.free_until = 0}, options.execution.progress);
         return answer;
     }
     FirstContactSearch search(a.parts(), b.parts(), motion, options);
@@ -96,7 +97,7 @@ std::optional<TimeOfContact> time_of_contact(const MeshIndex& a, const MeshIndex
                                           search.bounds().rounding());
         if (answer.touches_at < never) answer.evidence = ContactEvidence::intersection;
     }
-    place(answer, a, b, motion, found);
+    place(answer, a, b, motion, found, options.execution.progress);
     return answer;
 }
 

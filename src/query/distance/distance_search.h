@@ -61,6 +61,13 @@ public:
     DistanceSearch(const IndexParts& a, const IndexParts& b, const RigidTransform& pose_b,
                    double farthest) noexcept;
 
+    /// Ends walks once it is cancelled. May be null.
+    void watch(const Progress* progress) noexcept { progress_ = progress; }
+    [[nodiscard]] bool is_cancelled() const noexcept
+    {
+        return progress_ != nullptr && progress_->cancelled();
+    }
+
     /// From now on every noted pair is added to the list, and none is asked.
     void keep_all(NearRowsList& list) noexcept { kept_ = &list; }
 
@@ -113,6 +120,7 @@ private:
     double farthest_;
     bool found_ = false;
     NearRowsList* kept_ = nullptr;
+    const Progress* progress_ = nullptr;
     MeshDistance best_;
 };
 

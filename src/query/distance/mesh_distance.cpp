@@ -27,7 +27,8 @@ class PairWalk {
 public:
     explicit PairWalk(DistanceSearch& search) : search_(search), pose_(search) {}
 
-    /// Leaves noted pairs to be settled, but for where two touch: then it returns true.
+    /// Leaves noted pairs to be settled, but for where two touch or it is cancelled: then it returns
+    /// true.
     bool run()
     {
         constexpr BlockBox root = {{0, 0, 0}, {1.01F, 1.01F, 1.01F}};
@@ -36,6 +37,7 @@ public:
         while (!pending_.empty()) {
             const PendingPair at = pending_.pop();
             if (at.bound > squared_limit()) continue;
+            if (search_.is_cancelled()) return true;
             const bool leaf_a = (at.reference_a & index_leaf_bit) != 0;
             const bool leaf_b = (at.reference_b & index_leaf_bit) != 0;
             if (leaf_a && leaf_b) {
@@ -158,6 +160,7 @@ std::optional<MeshDistance> mesh_distance(const MeshIndex& a, const MeshIndex& b
     if (a.triangle_count() == 0 || b.triangle_count() == 0 || !(options.farthest >= 0))
         return std::nullopt;
     DistanceSearch search(a.parts(), b.parts(), pose_b, options.farthest);
+    search.watch(options.progress);
     const MeshDistance* const start = options.start_from;
     const bool touch = start != nullptr && search.ask(start->row_a, start->row_b);
     if (search.needs_no_walk()) {
@@ -165,7 +168,8 @@ std::optional<MeshDistance> mesh_distance(const MeshIndex& a, const MeshIndex& b
     } else if (!touch && !HWY_DYNAMIC_DISPATCH(walk_pairs)(search)) {
         (void)search.settle();
     }
-    return search.found() ? std::optional(search.best()) : std::nullopt;
+    if (!search.found() || search.is_cancelled()) return std::nullopt;
+    return search.best();
 }
 
 NearRowsAnswer near_rows(const MeshIndex& a, const MeshIndex& b, const RigidTransform& pose_b,

@@ -193,9 +193,10 @@ Result<std::vector<NearInstances>> pairs_within(const Scene& scene, double dista
     const double most = distance * (1 + 0x1p-28);
     return find_pairs<NearInstances>(
         parts, BoxReach(most), options, [&](const PairRows& rows) -> std::optional<NearInstances> {
-            const auto near = mesh_distance(
-                parts.index(parts.rows[rows.a]), parts.index(parts.rows[rows.b]),
-                relative_pose(parts.poses[rows.a], parts.poses[rows.b]), {.farthest = distance});
+            const auto near =
+                mesh_distance(parts.index(parts.rows[rows.a]), parts.index(parts.rows[rows.b]),
+                              relative_pose(parts.poses[rows.a], parts.poses[rows.b]),
+                              {.farthest = distance, .progress = options.execution.progress});
             if (!near || !(near->distance <= distance)) return std::nullopt;
             const auto [a, b] = pair_of(parts, rows);
             const RigidTransform& pose = parts.poses[rows.a];
