@@ -265,8 +265,10 @@ Command add_touch_command(CLI::App& app)
                 parser->get_option(name)->required(false);
         },
         "List the devices that were found, and why the others cannot be opened");
-    return {parser, [parser, options](Session& session) {
-                for (const CLI::Option* const option : parser->get_options())
+    // Not those that all commands have, which are added later.
+    const std::vector<CLI::Option*> own = parser->get_options();
+    return {parser, [own, options](Session& session) {
+                for (const CLI::Option* const option : own)
                     if (option->count() > 0) options->given.push_back(option->get_name());
                 return run_touch(*options, session);
             }};
