@@ -2,9 +2,8 @@
 // move, and has the same bits by an index as by a look at every triangle.
 #include "base/check.h"
 #include "decoded_mesh.h"
-#include "geometry/exact_predicates.h"
-#include "geometry/triangle_contact.h"
 #include "haptics/proxy/proxy.h"
+#include "haptics/scenes_to_touch.h"
 #include "haptics/surface/contact_surface.h"
 #include "proxima/mesh_index.h"
 
@@ -51,16 +50,6 @@ TriangleMesh turned_and_rounded(const TriangleMesh& mesh, double angle, int digi
     return *make_triangle_mesh(std::move(positions), {corners.begin(), corners.end()});
 }
 
-bool passes(const TriangleMesh& mesh, const Vec3& from, const Vec3& to)
-{
-    if (from == to) return false;
-    for (std::uint32_t id = 0; id < mesh.triangle_count(); ++id) {
-        const Triangle triangle = mesh.triangle(TriangleId{id});
-        if (!is_degenerate(triangle) && segment_meets_triangle(from, to, triangle)) return true;
-    }
-    return false;
-}
-
 } // namespace
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size)
@@ -98,7 +87,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
             PROXIMA_CHECK(found.anchor.allFinite());
             const auto path = proxy.path();
             for (std::size_t i = 1; i < path.size(); ++i)
-                PROXIMA_CHECK(!passes(mesh, path[i - 1], path[i]));
+                PROXIMA_CHECK(!proxima::testing::passes(mesh, path[i - 1], path[i]));
         }
     }
     return 0;

@@ -43,16 +43,21 @@ inline TriangleMesh box_mesh(const Vec3& half)
     return moved(*sample_mesh("cube"), [&](const Vec3& p) { return Vec3(p.cwiseProduct(half)); });
 }
 
-/// Whether a point that goes straight, as the object sees it, meets any of its triangles.
-inline bool passes_object(const SceneObject& object, const Vec3& from, const Vec3& to)
+/// Whether a point that goes straight meets any triangle that has an area.
+inline bool passes(const TriangleMesh& mesh, const Vec3& from, const Vec3& to)
 {
     if (from == to) return false;
-    const TriangleMesh& mesh = object.body->mesh();
     for (std::uint32_t id = 0; id < mesh.triangle_count(); ++id) {
         const Triangle triangle = mesh.triangle(TriangleId{id});
         if (!is_degenerate(triangle) && segment_meets_triangle(from, to, triangle)) return true;
     }
     return false;
+}
+
+/// The same as the object sees it.
+inline bool passes_object(const SceneObject& object, const Vec3& from, const Vec3& to)
+{
+    return passes(object.body->mesh(), from, to);
 }
 
 /// Whether a point that goes from one place to another, while the objects go from where they stood

@@ -1,9 +1,8 @@
 #include "haptics/proxy/slide_sphere.h"
 
 #include "counted_allocations.h"
-#include "geometry/exact_predicates.h"
-#include "geometry/triangle_contact.h"
 #include "haptics/proxy/proxy.h"
+#include "haptics/scenes_to_touch.h"
 #include "haptics/surface/contact_surface.h"
 #include "haptics/touch_meshes.h"
 #include "index/listed_index.h"
@@ -20,6 +19,7 @@ namespace proxima::slide_sphere_test {
 namespace {
 
 using testing::HandPath;
+using testing::passes;
 using testing::TouchMesh;
 
 double distance_of(const TriangleMesh& mesh, const Vec3& p)
@@ -28,16 +28,6 @@ double distance_of(const TriangleMesh& mesh, const Vec3& p)
     for (std::uint32_t id = 0; id < mesh.triangle_count(); ++id)
         least = std::min(least, (closest_point(mesh.triangle(TriangleId{id}), p).point - p).norm());
     return least;
-}
-
-bool passes(const TriangleMesh& mesh, const Vec3& from, const Vec3& to)
-{
-    if (from == to) return false;
-    for (std::uint32_t id = 0; id < mesh.triangle_count(); ++id) {
-        const Triangle triangle = mesh.triangle(TriangleId{id});
-        if (!is_degenerate(triangle) && segment_meets_triangle(from, to, triangle)) return true;
-    }
-    return false;
 }
 
 /// A plane large enough, in four triangles of which none is parallel to an axis' diagonal.
