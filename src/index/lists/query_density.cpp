@@ -74,7 +74,8 @@ std::optional<QueryDensity> QueryDensity::sample(const TriangleMesh& mesh, const
         due += area > 0 ? areas[i] / area * static_cast<double>(count)
                         : static_cast<double>(count) / static_cast<double>(areas.size());
         const Triangle triangle = mesh.triangle(TriangleId{i});
-        for (; due >= 1; due -= 1) {
+        while (due >= 1) {
+            due -= 1;
             auto [u, v, w] = sequence.next();
             if (u + v > 1) {
                 u = 1 - u;
