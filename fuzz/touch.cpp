@@ -42,9 +42,9 @@ TriangleMesh turned_and_rounded(const TriangleMesh& mesh, double angle, int digi
     std::vector<Vec3> positions;
     for (const Vec3& p : mesh.positions()) {
         const Vec3 q = turn * p;
-        positions.push_back(Vec3{std::nearbyint(q.x() / step), std::nearbyint(q.y() / step),
-                                 std::nearbyint(q.z() / step)} *
-                            step);
+        positions.emplace_back(Vec3{std::nearbyint(q.x() / step), std::nearbyint(q.y() / step),
+                                    std::nearbyint(q.z() / step)} *
+                               step);
     }
     const auto corners = mesh.triangles();
     return *make_triangle_mesh(std::move(positions), {corners.begin(), corners.end()});
