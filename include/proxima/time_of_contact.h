@@ -78,7 +78,8 @@ struct TimeOfContact {
     ContactEvidence evidence = ContactEvidence::intersection;
 
     RigidTransform free_pose; ///< of B at free_until
-    /// Of the meshes at free_until. Infinite, with points 0, where the progress was cancelled meanwhile.
+    /// How far the meshes are apart at free_until. If the progress was cancelled before this was known, it
+    /// is infinite, and both points are 0.
     double distance = 0;
     Vec3 point_a = Vec3::Zero(); ///< their closest points then
     Vec3 point_b = Vec3::Zero();

@@ -54,7 +54,7 @@ inline bool passes(const TriangleMesh& mesh, const Vec3& from, const Vec3& to)
     return false;
 }
 
-/// The same as the object sees it.
+/// Whether a point that goes straight in the object's frame meets any of its triangles.
 inline bool passes_object(const SceneObject& object, const Vec3& from, const Vec3& to)
 {
     return passes(object.body->mesh(), from, to);

@@ -52,7 +52,7 @@ double meeting_after(const MeshIndex& a, const MeshIndex& b, const RigidMotion& 
     return at_once;
 }
 
-/// What is known of B at a time. No distance is where the progress is cancelled.
+/// Fills in what is known of B at a time. If the progress is cancelled, the distance stays infinite.
 void place(TimeOfContact& answer, const MeshIndex& a, const MeshIndex& b, const RigidMotion& motion,
            const FirstContact& found, const Progress* progress)
 {

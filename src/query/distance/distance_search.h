@@ -5,6 +5,7 @@
 //             B's
 #pragma once
 
+#include "base/progress.h"
 #include "index/index_parts.h"
 #include "proxima/mesh_distance.h"
 #include "query/distance/near_rows.h"
@@ -63,10 +64,7 @@ public:
 
     /// Ends walks once it is cancelled. May be null.
     void watch(const Progress* progress) noexcept { progress_ = progress; }
-    [[nodiscard]] bool is_cancelled() const noexcept
-    {
-        return progress_ != nullptr && progress_->cancelled();
-    }
+    [[nodiscard]] bool is_cancelled() const noexcept { return proxima::is_cancelled(progress_); }
 
     /// From now on every noted pair is added to the list, and none is asked.
     void keep_all(NearRowsList& list) noexcept { kept_ = &list; }
