@@ -118,7 +118,7 @@ struct Culled {
     Octree octree;
     MeshIndex index;
     ViewVolume volume;
-    double build_seconds = 0;
+    double build_seconds = 0; ///< of the octree where it answers, else of the index
     std::vector<TriangleRange> ranges;
     std::vector<TriangleId> triangles; ///< ascending
     double seconds = 0;                ///< of the ranges
@@ -138,17 +138,16 @@ Result<std::unique_ptr<Culled>> prepare(const CullOptions& options, Session& ses
                                        : volume_of_camera(options, culled->mesh);
     if (!volume) return tl::unexpected(volume.error());
     culled->volume = std::move(*volume);
-    const Stopwatch watch;
+    const Stopwatch octree_watch;
     auto octree = build_octree(culled->mesh, {.max_depth = options.depth,
                                               .threshold = options.threshold,
                                               .classification = Classification::none,
                                               .execution = session.execution()});
     if (!octree) return at_model(octree.error(), options.model);
     culled->octree = std::move(*octree);
-    if (options.method == QueryMethod::thesis) {
-        culled->build_seconds = watch.seconds();
-        return culled;
-    }
+    culled->build_seconds = octree_watch.seconds();
+    if (options.method == QueryMethod::thesis) return culled;
+    const Stopwatch watch;
     auto index = index_of_model(options.model, culled->mesh, session);
     if (!index) return tl::unexpected(index.error());
     culled->index = *index;

@@ -53,6 +53,8 @@ struct IntersectOptions {
     QueryMethod method = QueryMethod::index;
     int depth = 5;
     std::uint32_t threshold = 1;
+
+    [[nodiscard]] bool looks_at_cells() const { return cells || !picture.empty(); }
 };
 
 /// One mesh and what is built of it.
@@ -109,12 +111,14 @@ Status prepare(Body& body, const std::string& model, const IntersectOptions& opt
     if (!mesh) return tl::unexpected(mesh.error());
     body.mesh = std::move(*mesh);
     const ProgressBar shown(session.progress(), session.bar());
-    auto octree = build_octree(body.mesh, {.max_depth = options.depth,
-                                           .threshold = options.threshold,
-                                           .classification = Classification::none,
-                                           .execution = session.execution()});
-    if (!octree) return at_model(octree.error(), model);
-    body.octree = std::move(*octree);
+    if (options.looks_at_cells() || options.method == QueryMethod::thesis) {
+        auto octree = build_octree(body.mesh, {.max_depth = options.depth,
+                                               .threshold = options.threshold,
+                                               .classification = Classification::none,
+                                               .execution = session.execution()});
+        if (!octree) return at_model(octree.error(), model);
+        body.octree = std::move(*octree);
+    }
     auto index = index_of_model(model, body.mesh, session);
     if (!index) return tl::unexpected(index.error());
     body.index = *index;
@@ -155,7 +159,7 @@ Result<PoseAnswer> find_in(const Body& a, const Body& b, const RigidTransform& p
         if (!contour) return tl::unexpected(contour.error());
         answer.contour = *std::move(contour);
     }
-    if (options.cells || !options.picture.empty()) {
+    if (options.looks_at_cells()) {
         const Stopwatch watch;
         answer.cell_tests =
             visit_intersecting_leaves(a.octree, b.octree, pose, [&](const LeafPair& pair) {

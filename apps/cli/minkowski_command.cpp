@@ -259,7 +259,8 @@ Command add_minkowski_command(CLI::App& app)
             "How far a model may be from convex, as a fraction of its bounding box's diagonal")
         ->capture_default_str()
         ->type_name("T");
-    parser->add_flag("--hull", options->take_hull, "Sum the convex hulls of the models");
+    parser->add_flag("--hull", options->take_hull, "Sum the convex hulls of the models")
+        ->excludes("--tolerance");
     parser->add_flag("--count-operations", options->count_operations,
                      "Print what each method costs in products and flops, as Table 3.2");
     return {parser, [options](Session& session) { return run_minkowski(*options, session); }};

@@ -237,7 +237,8 @@ Command add_octree_command(CLI::App& app)
     parser->add_flag("--as-printed", options->as_printed,
                      "With --method minkowski: the pseudocode of the thesis as printed, errata "
                      "and all");
-    parser->add_flag("--uniform", options->uniform, "Split every cell to the deepest level");
+    parser->add_flag("--uniform", options->uniform, "Split every cell to the deepest level")
+        ->excludes("--threshold");
     parser->add_flag("--two-pass", options->two_pass,
                      "Build twice, with the longest list of the first octree as threshold of the "
                      "second (thesis 2.1.1)");

@@ -38,6 +38,9 @@ struct RaycastOptions {
     QueryMethod method = QueryMethod::index;
     int depth = 5;
     std::uint32_t threshold = 1;
+
+    /// Whether the octree answers, not the mesh index.
+    [[nodiscard]] bool by_octree() const { return cells || method == QueryMethod::thesis; }
 };
 
 constexpr std::size_t task_rays = 1024;
@@ -62,8 +65,8 @@ Status check_options(const RaycastOptions& options, Session& session)
 /// What rays are cast at, and what came of it.
 struct Casting {
     TriangleMesh mesh;
-    Octree octree;
-    MeshIndex index; ///< empty where cells are asked for or the thesis's method answers
+    Octree octree;   ///< empty where the index answers
+    MeshIndex index; ///< empty where the octree answers
     RayList rays;
     ViewSize size;
     double build_seconds = 0;
@@ -94,13 +97,14 @@ Result<std::unique_ptr<Casting>> prepare(const RaycastOptions& options, Session&
         casting->rays = RayList(*camera, casting->size);
     }
     const Stopwatch watch;
-    auto octree = build_octree(casting->mesh, {.max_depth = options.depth,
-                                               .threshold = options.threshold,
-                                               .classification = Classification::none,
-                                               .execution = session.execution()});
-    if (!octree) return at_model(octree.error(), options.model);
-    casting->octree = std::move(*octree);
-    if (!options.cells && options.method == QueryMethod::index) {
+    if (options.by_octree()) {
+        auto octree = build_octree(casting->mesh, {.max_depth = options.depth,
+                                                   .threshold = options.threshold,
+                                                   .classification = Classification::none,
+                                                   .execution = session.execution()});
+        if (!octree) return at_model(octree.error(), options.model);
+        casting->octree = std::move(*octree);
+    } else {
         auto index = index_of_model(options.model, casting->mesh, session);
         if (!index) return tl::unexpected(index.error());
         casting->index = *index;
@@ -251,7 +255,7 @@ Status run_raycast(const RaycastOptions& given, Session& session)
 
     const std::size_t queries = casting.rays.count();
     const double each = 1e9 * casting.seconds / static_cast<double>(queries);
-    const bool by_octree = cells || options.method == QueryMethod::thesis;
+    const bool by_octree = options.by_octree();
     const std::uint64_t bytes = by_octree ? casting.octree.bytes() : casting.index.bytes();
     if (options.out != to_stdout) {
         std::string text =

@@ -86,6 +86,8 @@ Result<std::vector<std::uint32_t>> read_shapes(const SceneCommandOptions& option
     if (options.shapes.empty()) {
         for (std::size_t i = 0; i < instances; ++i)
             shapes[i] = static_cast<std::uint32_t>(i % models);
+        for (std::size_t i = instances; i < models; ++i)
+            session.note(concat("no pose places ", options.models[i]));
         return shapes;
     }
     constexpr std::array<std::string_view, 1> layouts = {"model"};

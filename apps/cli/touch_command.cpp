@@ -17,6 +17,7 @@
 #include "cli/touch_tool.h"
 
 #include <CLI/CLI.hpp>
+#include <csignal>
 #include <fmt/core.h>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -223,6 +224,8 @@ Status run_touch(TouchCommandOptions options, Session& session)
     if (options.method == QueryMethod::thesis && options.patches.empty())
         options.patches = usual_thesis_patch;
     if (options.list) return list_devices(options, session);
+    // Whoever reads our words may end before the session does: its forces then fade all the same.
+    std::signal(SIGPIPE, SIG_IGN);
     if (Status status = check_options(options); !status) return status;
     if (Status status = check_engine_options(options); !status) return status;
     if (Status status = check_self_test_options(options); !status) return status;

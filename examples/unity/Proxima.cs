@@ -129,7 +129,7 @@ namespace Proxima
     {
         public Vector Force, Proxy, Anchor, Normal; ///< force in newtons, the rest in the model's units
         public double Depth;
-        public int Holds, IsPlaced, Fault;
+        public int Holds, IsPlaced, Fault, IsSqueezed;
         public uint ContactCount;
         public Contact Contact0, Contact1, Contact2;
     }

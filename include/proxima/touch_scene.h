@@ -268,8 +268,8 @@ public:
     TouchScene& operator=(TouchScene&& other) noexcept;
     ~TouchScene();
 
-    /// Adds an object, before the first tick. Error invalid_argument: too many objects, a pose that
-    /// is not rigid, or an object that reaches out of the bounds.
+    /// Adds an object. Error invalid_argument: after the first tick, too many objects, a pose that is
+    /// not rigid, or an object that reaches out of the bounds.
     [[nodiscard]] Result<ObjectId> add(const TouchBody& body, const RigidTransform& pose);
 
     /// Gives an object a motion, which replaces earlier ones and begins where they took it. Wait-free.

@@ -343,6 +343,7 @@ Touch = _result(
     hold="(n,) uint8: 0 free, 1 sliding, 2 sticking",
     placed="(n,) bool: False where the device began inside: nothing is touched until it is out",
     fault="(n,) uint8: 0 none, 1 a position that is not finite, 2 a jump that no hand makes",
+    squeezed="(n,) bool: True where moving objects left the finger no free place: the force then rises as at a start",
     contacts="Contacts")
 
 Replay = _result(

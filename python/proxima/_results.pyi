@@ -325,6 +325,7 @@ class Touch(NamedTuple):
     hold: Any
     placed: Any
     fault: Any
+    squeezed: Any
     contacts: Contacts
 
 class Replay(NamedTuple):

@@ -59,6 +59,7 @@ private:
     py::array_t<std::uint8_t> hold_;
     py::array_t<std::uint8_t> fault_;
     py::array_t<bool> placed_;
+    py::array_t<bool> squeezed_;
     std::vector<std::int64_t> first_{0};
     std::vector<ContactPoint> contacts_;
 };

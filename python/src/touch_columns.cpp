@@ -7,7 +7,8 @@ TouchColumns::TouchColumns(std::size_t ticks, bool objects)
     : objects_(objects), force_(new_rows<double>(ticks, 3)), proxy_(new_rows<double>(ticks, 3)),
       anchor_(new_rows<double>(ticks, 3)), normal_(new_rows<double>(ticks, 3)),
       depth_(new_array<double>(ticks)), hold_(new_array<std::uint8_t>(ticks)),
-      fault_(new_array<std::uint8_t>(ticks)), placed_(new_array<bool>(ticks))
+      fault_(new_array<std::uint8_t>(ticks)), placed_(new_array<bool>(ticks)),
+      squeezed_(new_array<bool>(ticks))
 {}
 
 void TouchColumns::set(std::size_t row, const RenderTick& tick)
@@ -20,6 +21,7 @@ void TouchColumns::set(std::size_t row, const RenderTick& tick)
     hold_.mutable_data()[row] = static_cast<std::uint8_t>(tick.hold);
     fault_.mutable_data()[row] = static_cast<std::uint8_t>(tick.fault);
     placed_.mutable_data()[row] = tick.is_placed;
+    squeezed_.mutable_data()[row] = tick.squeezed;
     contacts_.insert(contacts_.end(), tick.contacts.begin(),
                      tick.contacts.begin() + static_cast<std::ptrdiff_t>(tick.contact_count));
     first_.push_back(static_cast<std::int64_t>(contacts_.size()));
@@ -49,10 +51,11 @@ py::object TouchColumns::result(bool single) const
                                 object, triangle, position, normal, pressure);
     const py::object type = result_type("Touch");
     if (!single)
-        return type(force_, proxy_, anchor_, normal_, depth_, hold_, placed_, fault_, contacts);
+        return type(force_, proxy_, anchor_, normal_, depth_, hold_, placed_, fault_, squeezed_,
+                    contacts);
     const py::int_ row(0);
     return type(force_[row], proxy_[row], anchor_[row], normal_[row], depth_[row], hold_[row],
-                placed_[row], fault_[row], contacts);
+                placed_[row], fault_[row], squeezed_[row], contacts);
 }
 
 } // namespace proxima::python

@@ -70,6 +70,7 @@ void convert(const RenderTick& felt, proxima_tick& tick)
     tick.holds = static_cast<std::int32_t>(felt.hold);
     tick.is_placed = felt.is_placed ? 1 : 0;
     tick.fault = static_cast<std::int32_t>(felt.fault);
+    tick.is_squeezed = felt.squeezed ? 1 : 0;
     tick.contact_count = static_cast<std::uint32_t>(felt.contact_count);
     for (std::size_t i = 0; i < felt.contacts.size(); ++i)
         tick.contacts[i] = i < felt.contact_count ? converted(felt.contacts[i]) : proxima_contact{};

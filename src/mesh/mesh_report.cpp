@@ -33,10 +33,6 @@ using detail::SurfaceComponent;
 constexpr std::size_t triangles_per_task = 8192;
 constexpr std::uint64_t stage_count = 5;
 
-// Products of three lengths between these stay in the range of doubles.
-constexpr double smallest_safe_extent = 1e-100;
-constexpr double largest_safe_coordinate = 1e100;
-
 // A volume below this part of the sum of its absolute terms may be rounding.
 constexpr double smallest_volume_ratio = 1e-12;
 
@@ -143,10 +139,10 @@ private:
     {
         if (report_.bounds.empty()) return;
         const double extent = report_.bounds.extent().maxCoeff();
-        const double reach = std::max(report_.bounds.lower.cwiseAbs().maxCoeff(),
-                                      report_.bounds.upper.cwiseAbs().maxCoeff());
+        const double reach = detail::reach_of(report_.bounds);
         extent_ = extent;
-        if (reach > largest_safe_coordinate || (extent > 0.0 && extent < smallest_safe_extent)) {
+        if (reach > detail::largest_safe_coordinate ||
+            (extent > 0.0 && extent < detail::smallest_safe_extent)) {
             report_whole(FindingKind::extreme_scale, Severity::warning,
                          concat("the mesh is ", extent, " large with coordinates up to ", reach,
                                 ": areas and volumes leave the range of double, so normals, signs "

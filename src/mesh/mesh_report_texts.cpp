@@ -128,6 +128,11 @@ Severity detail::usual_severity(FindingKind kind) noexcept
     return words(kind).severity;
 }
 
+double detail::reach_of(const Box& box) noexcept
+{
+    return std::max(box.lower.cwiseAbs().maxCoeff(), box.upper.cwiseAbs().maxCoeff());
+}
+
 std::string detail::usual_meaning(FindingKind kind)
 {
     return std::string(words(kind).meaning);
@@ -150,14 +155,14 @@ std::vector<QueryOutlook> detail::outlook_of(const MeshReport& report)
         }
         return all;
     }
+    constexpr std::string_view rescale = "scale the mesh towards size 1 first";
     const bool ill_scaled = any(report, {extreme_scale});
     const bool doubled = any(report, {duplicate_triangles, coincident_triangles});
     const bool sided = report.closed && report.consistently_oriented && !doubled &&
                        report.orientation != Orientation::inward;
     const bool branching = any(report, {non_manifold_edges, non_manifold_vertices});
 
-    all.push_back(ill_scaled ? expect(octree, with_care, "scale the mesh towards size 1 first")
-                             : expect(octree, works, "any triangles will do"));
+    all.push_back(expect(octree, works, "any triangles will do"));
     if (sided) {
         all.push_back(expect(cell_classes, works, "closed and consistently oriented"));
         all.push_back(
@@ -186,6 +191,14 @@ std::vector<QueryOutlook> detail::outlook_of(const MeshReport& report)
                       : expect(intersection, with_care,
                                "pairs hold; containment goes by winding numbers where an odd "
                                "number of triangles share an edge"));
+    const bool too_large = detail::reach_of(report.bounds) > detail::largest_safe_coordinate;
+    for (QueryOutlook& each : all) {
+        if (too_large && (each.query == octree || each.query == cell_classes)) {
+            each = expect(each.query, refused, rescale);
+        } else if (ill_scaled && each.outlook == works) {
+            each = expect(each.query, with_care, rescale);
+        }
+    }
     std::sort(all.begin(), all.end(),
               [](const QueryOutlook& a, const QueryOutlook& b) { return a.query < b.query; });
     return all;

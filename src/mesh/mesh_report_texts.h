@@ -10,6 +10,13 @@ namespace proxima::detail {
 [[nodiscard]] Severity usual_severity(FindingKind kind) noexcept;
 [[nodiscard]] std::string usual_meaning(FindingKind kind);
 
+// Products of three lengths between these stay in the range of doubles.
+inline constexpr double smallest_safe_extent = 1e-100;
+inline constexpr double largest_safe_coordinate = 1e100; // beyond it octrees are refused
+
+/// The largest magnitude of a coordinate.
+[[nodiscard]] double reach_of(const Box& box) noexcept;
+
 /// What each query can do, from the findings and properties already in the report.
 [[nodiscard]] std::vector<QueryOutlook> outlook_of(const MeshReport& report);
 

@@ -184,6 +184,9 @@ class Options(ProgramTest):
                     says=("budget", "depth"))
         self.refuse("octree", "cube", "--depth", 19, "--uniform")
 
+    def test_options_that_have_no_effect_together(self):
+        self.refuse("octree", "cube", "--uniform", "--threshold", 3, status=2, says=("--uniform", "--threshold"))
+        self.refuse("minkowski", "cube", "cube", "--hull", "--tolerance", 0.1, status=2, says=("--hull", "--tolerance"))
 
     def test_empty_values_are_not_left_out(self):
         """As a variable of a shell makes them that is not set."""

@@ -12,8 +12,8 @@ class OctreeFileTest(ProgramTest):
     def saved(self, *options, name="a.pxo", mesh=MESH, threshold=3):
         """A file of its own, and what was said when it was made."""
         path = self.folder / name
-        return path, self.json_of("octree", mesh, "--depth", 5, "--threshold", threshold, *options,
-                                  "--save", path)
+        sizes = ("--depth", 5) if "--uniform" in options else ("--depth", 5, "--threshold", threshold)
+        return path, self.json_of("octree", mesh, *sizes, *options, "--save", path)
 
 
 class Opening(OctreeFileTest):

@@ -7,7 +7,7 @@ import unittest
 
 from intersect_test import turned
 from npy_tables import read_npy
-from proxima_program import ProgramTest
+from proxima_program import ProgramTest, run
 
 KEYS = ["models", "triangles", "instances", "query", "queries", "found", "seconds", "ns_per_query", "index_seconds", "build_seconds",
         "rotation_error", "bytes"]
@@ -128,6 +128,10 @@ class Asking(SceneTest):
         far = list(csv.DictReader(self.succeed("scene", *self.models, "--poses", "0,0,0", "--shapes", self.folder / "one.txt", "--point",
                                                "1,1,1").splitlines()))
         self.assertAlmostEqual(float(far[0]["distance"]), 2 / math.sqrt(3))
+
+    def test_a_model_that_no_pose_places_is_named(self):
+        done = run("scene", "cube", "icosphere:1", "--poses", "0,0,0", "--point", "1,1,1")
+        self.assertEqual((done.returncode, done.stderr), (0, "proxima: no pose places icosphere:1\n"))
 
     def test_report_and_json(self):
         result = self.json_of("scene", *self.models, "--poses", self.table, "--pairs")

@@ -368,6 +368,15 @@ class Stopping(ProgramTest):
             self.assertEqual((again["replay_differences"], again["ticks"]), (0, report["ticks"]))
             session.unlink()
 
+    def test_a_reader_that_leaves_does_not_end_the_session(self):
+        report = self.folder / "report.json"
+        with subprocess.Popen([PROXIMA, "touch", "cube", "--device", "hand:press", "--seconds", "1.5", "--progress", "--json", report],
+                              stdout=subprocess.PIPE, stderr=subprocess.PIPE) as process:
+            process.stderr.close()
+            process.stdout.close()
+            self.assertEqual(process.wait(timeout=60), 1)  # its words could not be written
+        self.assertGreater(json.loads(report.read_text())["ticks"], 1000)
+
     def test_a_terminal_shows_rate_and_force(self):
         master, terminal = pty.openpty()
         with subprocess.Popen([PROXIMA, "touch", "cube", "--device", "hand:press", "--seconds", "1"], stderr=terminal,

@@ -380,6 +380,41 @@ static void test_touch(void)
     proxima_renderer_destroy(renderer);
 }
 
+/* Two octahedra close on a hand between them from both sides. */
+static void test_squeeze(void)
+{
+    const double lower[] = {-4, -4, -4}, upper[] = {4, 4, 4}, middle[] = {0, 0, 0};
+    const double left[] = {1, 0, 0, -1.5, 0, 1, 0, 0, 0, 0, 1, 0}, right[] = {1, 0, 0, 1.5, 0, 1, 0, 0, 0, 0, 1, 0};
+    const proxima_motion motion = {{1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0}, 0.5, {0, 0, 0}, {0, 0, 0}, 0};
+    const proxima_workspace workspace = {1, {0, 0, 0}};
+    proxima_mesh* mesh = make_octahedron();
+    proxima_body* body = NULL;
+    proxima_scene* scene = NULL;
+    proxima_renderer* renderer = NULL;
+    proxima_device_limits limits;
+    proxima_tick tick;
+    uint32_t object;
+    int squeezed = 0;
+    CHECK(proxima_body_create(mesh, NULL, &body) == PROXIMA_OK);
+    CHECK(proxima_scene_create(lower, upper, &scene) == PROXIMA_OK);
+    CHECK(proxima_scene_add(scene, body, left, &object) == PROXIMA_OK);
+    CHECK(proxima_scene_add(scene, body, right, &object) == PROXIMA_OK && object == 1);
+    CHECK(proxima_device_limits_of("omega", &limits) == PROXIMA_OK);
+    CHECK(proxima_renderer_create(scene, &workspace, &limits, NULL, &renderer) == PROXIMA_OK);
+    CHECK(proxima_renderer_tick(renderer, middle, NULL, 1e-3, &tick) == PROXIMA_OK && tick.is_squeezed == 0);
+    REFUSES(proxima_scene_add(scene, body, left, &object), PROXIMA_INVALID_ARGUMENT, "first tick");
+    for (uint32_t i = 0; i < 2; ++i) CHECK(proxima_scene_move(scene, i, &motion) == PROXIMA_OK);
+    for (int i = 0; i < 600; ++i) {
+        CHECK(proxima_renderer_tick(renderer, middle, NULL, 1e-3, &tick) == PROXIMA_OK);
+        squeezed += tick.is_squeezed;
+    }
+    CHECK(squeezed > 0);
+    proxima_renderer_destroy(renderer);
+    proxima_scene_destroy(scene);
+    proxima_body_destroy(body);
+    proxima_mesh_destroy(mesh);
+}
+
 static void test_exchange(void)
 {
     const double lower[] = {-2, -2, -2}, upper[] = {2, 2, 2};
@@ -412,6 +447,7 @@ int main(int argc, char** argv)
     test_rays();
     test_two_meshes();
     test_touch();
+    test_squeeze();
     test_exchange();
     printf("%d checks, %d failed\n", checks, failures);
     return failures == 0 ? 0 : 1;

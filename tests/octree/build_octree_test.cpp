@@ -9,6 +9,7 @@
 #include "octree/same_cells.h"
 #include "octree/same_octree.h"
 #include "octree/slow_builder.h"
+#include "proxima/mesh_report.h"
 #include "proxima/sample_meshes.h"
 
 #include <gtest/gtest.h>
@@ -293,6 +294,19 @@ TEST(BuildOctree, RefusesInvalidMeshesAndOptions)
     EXPECT_NE(message.find("budget"), std::string::npos) << message;
     EXPECT_NE(code(cube, {.max_depth = 19, .subdivision = Subdivision::uniform}).find("uniform"),
               std::string::npos);
+}
+
+TEST(BuildOctree, RefusesWhatTheReportSays)
+{
+    for (const double reach : {1e-308, 1e-101, 1.0, 9.99e99, 1.01e100, 1e300}) {
+        const auto mesh =
+            make_triangle_mesh({{0, 0, 0}, {reach, 0, 0}, {0, -reach, 0}}, {{0, 1, 2}});
+        const auto report = report_mesh(*mesh);
+        ASSERT_TRUE(report);
+        EXPECT_EQ(report->outlook[0].query, QueryKind::octree);
+        EXPECT_EQ(report->outlook[0].outlook != Outlook::refused, build_octree(*mesh).has_value())
+            << reach;
+    }
 }
 
 TEST(BuildOctree, StopsWhenCancelled)

@@ -76,7 +76,7 @@ OFFERED = {
         "WorkspaceMap.center HapticRenderer.map": "TouchRenderer.center", "RenderTick.force": "Touch.force",
         "RenderTick.proxy": "Touch.proxy", "RenderTick.anchor": "Touch.anchor", "RenderTick.normal": "Touch.normal",
         "RenderTick.depth": "Touch.depth", "RenderTick.hold": "Touch.hold", "RenderTick.is_placed": "Touch.placed",
-        "RenderTick.fault": "Touch.fault", "RenderTick.contacts": "Touch.contacts", "RenderTick.contact_count": "Contacts.first",
+        "RenderTick.fault": "Touch.fault", "RenderTick.squeezed": "Touch.squeezed", "RenderTick.contacts": "Touch.contacts", "RenderTick.contact_count": "Contacts.first",
         "ContactPoint.position": "Contacts.position", "ContactPoint.normal": "Contacts.normal",
         "ContactPoint.triangle": "Contacts.triangle", "ContactPoint.pressure": "Contacts.pressure"},
     "index_io.h": {"load_index": "Index.load", "save_index": "Index.save"},
@@ -283,7 +283,7 @@ LEFT_OUT = {
         "ForceOptions.loss_seconds ForceOptions.max_slew ForceOptions.start_seconds RenderOptions.max_jump RenderOptions.max_moves":
         "for tuning: " + NOT_YET, "RenderTick.tap RenderTick.texture": "parts of Touch.force",
         "HapticRenderer.last HapticRenderer.path RenderTick.condition RenderTick.moves RenderTick.position RenderTick.slide_end "
-        "RenderTick.spring RenderTick.squeezed RenderTick.surface_velocity": NOT_YET,
+        "RenderTick.spring RenderTick.surface_velocity": NOT_YET,
         "WorkspaceMap.to_device WorkspaceMap.to_model": "arithmetic of arrays"},
     "intersect_meshes.h": {
         "visit_intersecting_pairs": NAMES, "find_meeting MeshMeeting.row_a MeshMeeting.row_b MeshMeeting.triangle_a "

@@ -124,7 +124,7 @@ class Tick(ctypes.Structure):
 
     _fields_ = [(name, ctypes.c_double * 3) for name in ("force", "proxy", "anchor", "normal")] + [
         ("depth", ctypes.c_double), ("hold", ctypes.c_int32), ("placed", ctypes.c_int32), ("fault", ctypes.c_int32),
-        ("count", ctypes.c_uint32), ("contacts", Contact * 3)]
+        ("squeezed", ctypes.c_int32), ("count", ctypes.c_uint32), ("contacts", Contact * 3)]
 
 
 @compared
@@ -177,7 +177,7 @@ def test_the_interface_for_c_has_the_same_bits():
                                            ctypes.byref(tick)) == 0
             for name in ("force", "proxy", "anchor", "normal", "depth"):
                 assert np.asarray(getattr(tick, name)).tobytes() == getattr(touch, name)[i].tobytes(), (begin + i, name)
-            assert (tick.hold, tick.placed, tick.fault) == (touch.hold[i], touch.placed[i], touch.fault[i])
+            assert (tick.hold, tick.placed, tick.fault, tick.squeezed) == (touch.hold[i], touch.placed[i], touch.fault[i], touch.squeezed[i])
             rows = range(*touch.contacts.first[i:i + 2])
             assert len(rows) == tick.count
             for row, contact in zip(rows, tick.contacts):
@@ -415,6 +415,18 @@ TURNED = [[2, 0, 0, 0], [0, 1, 0, 0], [0, 0, 1, 0]]
 def test_refuses(wall, ask, says):
     with pytest.raises(proxima.InvalidInput, match=says):
         ask(wall)
+
+
+def test_closing_objects_squeeze_the_finger():
+    scene = proxima.TouchScene([[-4] * 3, [4] * 3])
+    side = np.hstack([np.eye(3), [[1.5], [0], [0]]])
+    for pose in (side, side * np.where(np.arange(4) == 3, -1, 1)):
+        scene.add(proxima.Mesh.sample("octahedron"), pose)
+    renderer = proxima.TouchRenderer(scene, units_per_metre=1)
+    assert not renderer.step([0, 0, 0]).squeezed
+    for number in (0, 1):
+        scene.move(number, np.eye(4), seconds=0.5)
+    assert renderer.step(np.zeros((600, 3))).squeezed.any()
 
 
 def test_scenes_are_whole_before_they_are_touched(wall):

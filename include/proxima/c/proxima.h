@@ -284,7 +284,8 @@ PROXIMA_C_API proxima_status proxima_body_create(const proxima_mesh* mesh,
                                                  proxima_body** body);
 PROXIMA_C_API void proxima_body_destroy(proxima_body* body);
 
-/* Up to 64 objects within a box. Objects are added before the first tick of a renderer, by one thread. */
+/* Up to 64 objects within a box. Objects are added by one thread, before the first tick of a renderer: later ones
+ * are refused. */
 PROXIMA_C_API proxima_status proxima_scene_create(const double lower[3], const double upper[3],
                                                   proxima_scene** scene);
 PROXIMA_C_API void proxima_scene_destroy(proxima_scene* scene);
@@ -373,6 +374,8 @@ typedef struct proxima_tick {
     /* 0: the device began inside, or found no place: nothing is touched until it is out */
     int32_t is_placed;
     int32_t fault; /* 0: none, 1: a position that is not finite, 2: a jump */
+    /* 1: moving objects left the proxy no free position; the force then rises as at a start */
+    int32_t is_squeezed;
     uint32_t contact_count;
     proxima_contact contacts[3];
 } proxima_tick;
