@@ -114,12 +114,26 @@ Status check_sight(const Vec3& eye, const Vec3& target)
                 "the eye is where it looks: give another --eye or --target", "--eye");
 }
 
+/// That squares of the model's lengths are doubles, or it is one point.
+Status check_size(const Box& box)
+{
+    constexpr double smallest = 1e-150;
+    constexpr double largest = 1e150;
+    if (box.empty()) return {};
+    const double reach = std::max(box.lower.cwiseAbs().maxCoeff(), box.upper.cwiseAbs().maxCoeff());
+    const double extent = box.extent().maxCoeff();
+    if (reach <= largest && (extent == 0 || extent >= smallest)) return {};
+    return fail(ErrorCode::invalid_mesh, concat("a camera needs models of ", smallest, " to ",
+                                                largest, " in size and place: scale this one"));
+}
+
 } // namespace
 
 Result<OrbitCamera> placed_camera(const CameraChoice& choice, std::span<const Vec3> points)
 {
     Box box;
     for (const Vec3& point : points) box.extend(point);
+    if (Status status = check_size(box); !status) return tl::unexpected(status.error());
     const Vec3 middle = box.empty() ? Vec3(Vec3::Zero()) : box.center();
     OrbitCamera camera = directed_camera(choice);
     if (!choice.eye) {

@@ -36,7 +36,8 @@ struct CameraChoice {
 [[nodiscard]] OrbitCamera directed_camera(const CameraChoice& choice);
 
 /// The camera for these points. Without an eye it stands so far away that they fill the picture,
-/// without a target it looks at their middle. Error invalid_argument: the eye is the target.
+/// without a target it looks at their middle. Errors: invalid_argument where the eye is the target,
+/// invalid_mesh where squares of lengths would leave the range of doubles.
 [[nodiscard]] Result<OrbitCamera> placed_camera(const CameraChoice& choice,
                                                 std::span<const Vec3> points);
 

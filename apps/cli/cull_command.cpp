@@ -75,7 +75,7 @@ Result<ViewVolume> volume_of_camera(const CullOptions& options, const TriangleMe
 {
     const CameraChoice choice = for_model(options.camera, options.model);
     const auto camera = placed_camera(choice, points_to_frame(mesh.positions()));
-    if (!camera) return tl::unexpected(camera.error());
+    if (!camera) return at_model(camera.error(), options.model);
     const View view(*camera, choice.size);
     return make_perspective_volume(
         {.eye = view.eye(),

@@ -71,7 +71,10 @@ Result<TableStart> open_table(const std::string& path, Progress* progress)
     if (!count) return tl::unexpected(count.error());
     start.resize(*count);
     if (start.empty()) {
-        return fail(ErrorCode::malformed_file, "the file is empty: write or copy it again",
+        return fail(ErrorCode::malformed_file,
+                    path == from_stdin
+                        ? "it is empty: send the numbers to it, and name it for one option only"
+                        : "the file is empty: write or copy it again",
                     input->name());
     }
     const bool is_array = is_npy(start) || lower_case_extension(path) == ".npy";

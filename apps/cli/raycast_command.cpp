@@ -93,7 +93,7 @@ Result<std::unique_ptr<Casting>> prepare(const RaycastOptions& options, Session&
         casting->size = options.camera.size;
         const auto camera = placed_camera(for_model(options.camera, options.model),
                                           points_to_frame(casting->mesh.positions()));
-        if (!camera) return tl::unexpected(camera.error());
+        if (!camera) return at_model(camera.error(), options.model);
         casting->rays = RayList(*camera, casting->size);
     }
     const Stopwatch watch;

@@ -157,6 +157,15 @@ class Pictures(ProgramTest):
 
 
 class Cameras(ProgramTest):
+    def test_a_model_that_no_camera_can_see_is_refused(self):
+        for size in (1e-300, 1e-155, 1e151, 1e308):
+            model = self.file("model.off", f"OFF\n3 1 0\n0 0 0\n{size} 0 0\n0 0 {size}\n3 0 1 2\n")
+            for command in ("cull", "raycast"):
+                self.refuse(command, model, "--view", "20,30", says=("model.off", "camera", "scale"))
+        for size in (1e-149, 1e149):
+            model = self.file("model.off", f"OFF\n3 1 0\n0 0 0\n{size} 0 0\n0 0 {size}\n3 0 1 2\n")
+            self.assertGreater(self.json_of("raycast", model, "--view", "20,30", "--size", "40x40")["hits"], 100)
+
     def test_cull_what_their_rays_hit(self):
         """All that a camera's rays hit is visible, and little more where nothing hides it."""
         model = "icosphere:3"

@@ -129,6 +129,11 @@ class Asking(SceneTest):
                                                "1,1,1").splitlines()))
         self.assertAlmostEqual(float(far[0]["distance"]), 2 / math.sqrt(3))
 
+    def test_two_tables_cannot_both_come_from_standard_input(self):
+        done = run("scene", "cube", "--poses", "-", "--points", "-", input="0,0,0\n")
+        self.assertEqual((done.returncode, done.stdout), (1, ""))
+        self.assertIn("name it for one option only", done.stderr)
+
     def test_a_model_that_no_pose_places_is_named(self):
         done = run("scene", "cube", "icosphere:1", "--poses", "0,0,0", "--point", "1,1,1")
         self.assertEqual((done.returncode, done.stderr), (0, "proxima: no pose places icosphere:1\n"))

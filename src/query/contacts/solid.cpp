@@ -61,12 +61,10 @@ Status check_solid(const MeshIndex& index, const TriangleMesh& mesh, const Execu
                       "them (proxima repair)");
     }
     if (report->orientation == Orientation::mixed) return check_cavities(index, mesh, execution);
-    if (report->orientation != Orientation::outward) {
-        return refuse(concat("the mesh is turned inside out, or a component has no volume: it is "
-                             "oriented ",
-                             name_of(report->orientation),
-                             ", and outward is needed; turn what is inside out (proxima repair)"));
-    }
+    if (report->orientation == Orientation::inward)
+        return refuse("the mesh is turned inside out: turn its triangles (proxima repair)");
+    if (report->orientation != Orientation::outward)
+        return refuse("a component of the mesh has no volume, so it has no inside: leave it out");
     return {};
 }
 
