@@ -191,6 +191,10 @@ public:
         }
         const RigidTransform device = {tick_.device.rotation,
                                        map_.to_model(tick_.device.translation)};
+        // A crowd of triangles would hold the tool for good: once the force has faded, it is placed
+        // anew, as soon as the device is free.
+        if (is_placed_ && proxy_.end() == ToolEnd::overloaded && guard_.ramp() == 0)
+            is_placed_ = false;
         const bool was_placed = std::exchange(is_placed_, is_placed_ || proxy_.place(device));
         if (is_placed_) proxy_.follow(device);
         write_proxy(device);
@@ -268,8 +272,9 @@ private:
             damped_spring(options_.force.stiffness, options_.force.damping, stretch.linear, rate);
         tick_.spring_torque = damped_spring(options_.torsional_stiffness,
                                             options_.torsional_damping, stretch.angular, turn_rate);
-        const bool available =
-            tick_.fault != InputFault::not_finite && tick_.condition == InputCondition::well;
+        const bool is_held_by_crowd = is_placed_ && tick_.end == ToolEnd::overloaded;
+        const bool available = tick_.fault != InputFault::not_finite &&
+                               tick_.condition == InputCondition::well && !is_held_by_crowd;
         const Patch patch = available ? Patch::available : Patch::lost;
         // The proxy may still be on its way after a jump: the force rises from the next tick on.
         ToolPull pull;

@@ -55,6 +55,49 @@ TEST(ToolRenderer, DevicesWithoutTorquesGetTheForceAlone)
     }
 }
 
+/// A face of many triangles flat on a table is a crowd: its force fades, and it comes off.
+TEST(ToolRenderer, ACrowdOfTrianglesLetsGo)
+{
+    std::vector<Vec3> corners;
+    std::vector<std::array<std::uint32_t, 3>> triangles;
+    constexpr std::uint32_t side = 60;
+    const auto at = [](std::uint32_t i, std::uint32_t j) { return i * (side + 1) + j; };
+    for (std::uint32_t i = 0; i <= side; ++i)
+        for (std::uint32_t j = 0; j <= side; ++j)
+            corners.emplace_back(half * (2.0 * i / side - 1), half * (2.0 * j / side - 1), -half);
+    for (std::uint32_t i = 0; i < side; ++i) {
+        for (std::uint32_t j = 0; j < side; ++j) {
+            triangles.push_back({at(i, j), at(i, j + 1), at(i + 1, j)});
+            triangles.push_back({at(i + 1, j), at(i, j + 1), at(i + 1, j + 1)});
+        }
+    }
+    const MeshIndex tool = index_of(*make_triangle_mesh(corners, triangles));
+    const ToolObject table = {index_of(box_mesh({0.1, 0.1, 0.05}, {0, 0, -0.05})), {}};
+    ToolRenderer renderer = make_tool_renderer(tool, std::span(&table, 1), WorkspaceMap{},
+                                               strong_device(), plain_springs())
+                                .value();
+    int overloaded = 0;
+    const auto go_to = [&](double height, int ticks) {
+        const double from = renderer.last().device.translation.z();
+        for (int i = 1; i <= ticks; ++i) {
+            const double z = from + (height - from) * i / ticks;
+            overloaded +=
+                renderer.tick(state_at(pose_at({0, 0, z})), 1e-3).end == ToolEnd::overloaded ? 1
+                                                                                             : 0;
+        }
+    };
+    (void)renderer.tick(state_at(pose_at({0, 0, 0.02})), 1e-3);
+    go_to(0.008, 400);
+    EXPECT_GT(overloaded, 0);
+    go_to(0.04, 1000);
+    EXPECT_LT(renderer.last().force.norm(), 1e-9);
+    EXPECT_TRUE(renderer.last().is_placed);
+    EXPECT_EQ(renderer.last().end, ToolEnd::settled);
+    overloaded = 0;
+    go_to(0.02, 200);
+    EXPECT_EQ(overloaded, 0);
+}
+
 /// The passivity guard damps the force alone then, and a reset forgets what it did.
 TEST(ToolRenderer, TheGuardGivesNoTorqueToADeviceWithoutAndForgetsByReset)
 {
