@@ -36,6 +36,11 @@ void SeenObject::look_at(const RigidTransform& tool) noexcept
     relative = relative_pose(pose, tool);
 }
 
+RigidTransform SeenObject::seen_from_goal(const RigidTransform& tool) const noexcept
+{
+    return relative_pose(goal, tool);
+}
+
 void SeenObject::begin_step(double part) noexcept
 {
     moves = is_behind() && part > 0;

@@ -57,6 +57,9 @@ struct SeenObject {
     /// Sees the tool in a pose.
     void look_at(const RigidTransform& tool) noexcept;
 
+    /// The tool's pose as the object will see it at its goal.
+    [[nodiscard]] RigidTransform seen_from_goal(const RigidTransform& tool) const noexcept;
+
     /// Steps by a part of what is left to the goal.
     void begin_step(double part) noexcept;
 

@@ -57,19 +57,25 @@ void ToolProxy::set_object(std::size_t object, const RigidTransform& pose,
     objects_[object].friction = friction;
 }
 
+bool ToolProxy::is_free(const RigidTransform& pose) const noexcept
+{
+    return std::ranges::none_of(objects_, [&](const SeenObject& object) {
+        const RigidTransform relative = object.seen_from_goal(pose);
+        if (meshes_intersect(object.body.index, tool_.index, relative)) return true;
+        const ContainmentAnswer answer =
+            find_containment(object.body.inside, tool_.inside, relative);
+        // Open meshes have no inside.
+        return answer.containment != Containment::none &&
+               answer.method != InsideMethod::winding_number;
+    });
+}
+
 bool ToolProxy::place(const RigidTransform& pose) noexcept
 {
+    if (!is_free(pose)) return false;
     for (SeenObject& object : objects_) {
         object.pose = object.goal;
         object.look_at(pose);
-        const RigidBody& body = object.body;
-        if (meshes_intersect(body.index, tool_.index, object.relative)) return false;
-        const ContainmentAnswer answer =
-            find_containment(body.inside, tool_.inside, object.relative);
-        // Open meshes have no inside.
-        if (answer.containment != Containment::none &&
-            answer.method != InsideMethod::winding_number)
-            return false;
     }
     const RigidTransform before = std::exchange(pose_, pose);
     bool is_free = list_pairs_once(base_margin_);

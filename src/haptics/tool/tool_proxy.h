@@ -68,6 +68,9 @@ public:
     void set_object(std::size_t object, const RigidTransform& pose,
                     const Friction& friction) noexcept;
 
+    /// Whether the tool there would meet no object, nor be inside a closed one or around one.
+    [[nodiscard]] bool is_free(const RigidTransform& pose) const noexcept;
+
     /// Puts the tool there. Returns false, and leaves the proxy where it was, where it is within half
     /// the clearance of an object or inside a closed one, or an object inside a closed tool.
     [[nodiscard]] bool place(const RigidTransform& pose) noexcept;

@@ -177,6 +177,7 @@ public:
         tick_ = {};
         has_device_ = false;
         is_placed_ = false;
+        lets_go_ = false;
         guard_.reset();
     }
 
@@ -191,12 +192,10 @@ public:
         }
         const RigidTransform device = {tick_.device.rotation,
                                        map_.to_model(tick_.device.translation)};
-        // A crowd of triangles would hold the tool for good: once the force has faded, it is placed
-        // anew, as soon as the device is free.
-        if (is_placed_ && proxy_.end() == ToolEnd::overloaded && guard_.ramp() == 0)
-            is_placed_ = false;
+        if (lets_go_ && guard_.ramp() == 0) is_placed_ = false;
         const bool was_placed = std::exchange(is_placed_, is_placed_ || proxy_.place(device));
         if (is_placed_) proxy_.follow(device);
+        lets_go_ = is_placed_ && proxy_.end() == ToolEnd::overloaded && proxy_.is_free(device);
         write_proxy(device);
         pull(device, seconds, was_placed);
         return tick_;
@@ -272,9 +271,8 @@ private:
             damped_spring(options_.force.stiffness, options_.force.damping, stretch.linear, rate);
         tick_.spring_torque = damped_spring(options_.torsional_stiffness,
                                             options_.torsional_damping, stretch.angular, turn_rate);
-        const bool is_held_by_crowd = is_placed_ && tick_.end == ToolEnd::overloaded;
         const bool available = tick_.fault != InputFault::not_finite &&
-                               tick_.condition == InputCondition::well && !is_held_by_crowd;
+                               tick_.condition == InputCondition::well && !lets_go_;
         const Patch patch = available ? Patch::available : Patch::lost;
         // The proxy may still be on its way after a jump: the force rises from the next tick on.
         ToolPull pull;
@@ -322,6 +320,9 @@ private:
     Twist travel_;  ///< of the device in this tick, m and rad
     bool has_device_ = false;
     bool is_placed_ = false;
+    /// A crowd of triangles holds the proxy, while the device is free: the force fades, and then the
+    /// tool is placed anew.
+    bool lets_go_ = false;
 };
 
 ToolRenderer::ToolRenderer(std::unique_ptr<ToolSurfaceRenderer> renderer) noexcept
