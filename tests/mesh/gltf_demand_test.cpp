@@ -88,6 +88,55 @@ TEST_F(GltfDemand, AcceptsValidScenes)
     }
 }
 
+TEST_F(GltfDemand, RefusesGeometryThatWouldBeReadWrong)
+{
+    const auto accessor = [](std::string_view type, int component, int count = 3) {
+        return concat(R"({"bufferView":0,"componentType":)", component, R"(,"count":)", count,
+                      R"(,"type":")", type, R"("})");
+    };
+    const auto requires_extension = [](std::string_view name) {
+        return concat(R"(,"extensionsUsed":[")", name, R"("],"extensionsRequired":[")", name,
+                      "\"]");
+    };
+    const std::string by_indices = R"({"attributes":{"POSITION":0},"indices":1})";
+    const std::string floats = accessor("VEC3", 5126);
+    const auto with_indices = [&](const std::string& indices) {
+        return Scene{.primitives = by_indices, .accessors = floats + "," + indices};
+    };
+    struct Refused {
+        Scene scene;
+        std::string_view says;
+    };
+    const Refused refused[] = {
+        {{.more = requires_extension("KHR_mesh_quantization")}, "gltfpack -noq"},
+        {{.more = requires_extension("EXT_mesh_gpu_instancing")}, "EXT_mesh_gpu_instancing"},
+        {{.more = requires_extension("FOO_bar")}, "FOO_bar"},
+        {{.accessors = accessor("VEC3", 5123)}, "floats are needed for the positions of mesh 0"},
+        {{.accessors = accessor("VEC2", 5126)}, "three numbers each"},
+        {{.accessors = accessor("VEC3", 5126, 4)}, "multiple of three"},
+        {with_indices(accessor("SCALAR", 5126)), "unsigned integers"},
+        {with_indices(accessor("SCALAR", 5122)), "unsigned integers"},
+        {with_indices(accessor("VEC3", 5125)), "single numbers"},
+        {with_indices(accessor("SCALAR", 5121, 5)), "multiple of three"},
+    };
+    for (const Refused& each : refused) {
+        const Error error = error_of_scene(each.scene);
+        EXPECT_NE(error.message.find(each.says), std::string::npos) << describe(error);
+    }
+    const Scene read[] = {
+        {.more = requires_extension("KHR_materials_unlit")},
+        {.more = requires_extension("KHR_texture_transform")},
+        {.more = R"(,"extensionsUsed":["EXT_mesh_gpu_instancing"])"},
+        {.primitives = R"({"attributes":{"POSITION":0},"mode":5})",
+         .accessors = accessor("VEC3", 5126, 4)},
+        with_indices(accessor("SCALAR", 5121)),
+    };
+    for (const Scene& scene : read) {
+        const auto mesh = read_text(glb_of(json_of(scene)), MeshFormat::glb, {});
+        EXPECT_TRUE(mesh) << describe(mesh.error());
+    }
+}
+
 TEST_F(GltfDemand, RefusesScenesBeyondTheBudget)
 {
     std::string doubling;

@@ -119,6 +119,36 @@ TEST(MeshIo, ReadsEveryFormOfObj)
         (Corners{{0, 1, 2}, {0, 2, 3}, {5, 4, 3}, {0, 1, 5}, {6, 5, 4}, {6, 4, 3}, {6, 3, 2}}));
 }
 
+// As editors write it at the beginning of UTF-8 texts.
+TEST(MeshIo, SkipsAByteOrderMark)
+{
+    const std::string mark = "\xEF\xBB\xBF";
+    const struct {
+        MeshFormat format;
+        std::string text;
+    } files[] = {
+        {MeshFormat::obj, "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n"},
+        {MeshFormat::obj, "# made by hand\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n"},
+        {MeshFormat::off, "OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n"},
+        {MeshFormat::off, "3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n"},
+        {MeshFormat::xyz, "0 0 0\n1 0 0\n0 1 0\n"},
+        {MeshFormat::stl, "solid a\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\n"
+                          "vertex 0 1 0\nendloop\nendfacet\nendsolid a\n"},
+    };
+    for (const auto& file : files) {
+        const auto plain = read_text(file.text, file.format);
+        ASSERT_TRUE(plain) << describe(plain.error());
+        const auto marked = read_text(mark + file.text, file.format);
+        ASSERT_TRUE(marked) << describe(marked.error());
+        EXPECT_EQ(positions_of(*marked), positions_of(*plain));
+        EXPECT_EQ(corners_of(*marked), corners_of(*plain));
+        EXPECT_FALSE(read_text(mark + mark + file.text, file.format)) << "only one is a mark";
+    }
+    EXPECT_EQ(error_of(mark + "v 0 0 0\nf 1 2 3\n", MeshFormat::obj).where, "OBJ data:2");
+    for (const char* part : {"\xEF", "\xEF\xBB", "\xEF\xBB\xBF"})
+        EXPECT_EQ(error_of(part, MeshFormat::off).code, ErrorCode::malformed_file);
+}
+
 TEST(MeshIo, CutsConcavePolygonsProperly)
 {
     const TriangleMesh mesh = read_seed("obj/arrow.obj");

@@ -2,6 +2,7 @@
 
 #include "base/memory_budget.h"
 #include "base/text.h"
+#include "mesh/io/gltf_geometry.h"
 #include "mesh/io/json_text.h"
 
 #include <algorithm>
@@ -321,7 +322,7 @@ Status check_gltf_demand(const MeshSource& source, std::string_view json, Memory
                            " MB: raise it, or decimate or convert the mesh"),
                     source.name);
     }
-    return {};
+    return check_gltf_geometry(source, *text);
 }
 
 } // namespace proxima::detail

@@ -9,8 +9,9 @@
 namespace proxima::detail {
 
 /// Refuses a glTF 1 or 2 whose scene needs more than the budget, by an estimate from above, or
-/// whose nodes lie too deep in each other. `json` is a part of source.text.
-/// Errors: malformed_file, limit_exceeded, budget_exceeded. O(json).
+/// whose nodes lie too deep in each other, or whose geometry is stored in a way that would be read
+/// wrong (gltf_geometry.h). `json` is a part of source.text.
+/// Errors: malformed_file, unsupported_format, limit_exceeded, budget_exceeded. O(json).
 [[nodiscard]] Status check_gltf_demand(const MeshSource& source, std::string_view json,
                                        MemoryBudget budget);
 

@@ -1,0 +1,126 @@
+#include "mesh/io/gltf_geometry.h"
+
+#include "base/text.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+namespace proxima::detail {
+
+namespace {
+
+using Id = JsonText::Id;
+
+/// Extensions that say nothing of where triangles are, by how their names begin, and the one that is read.
+constexpr std::array<std::string_view, 10> harmless = {"KHR_draco_mesh_compression",
+                                                       "KHR_materials_",
+                                                       "KHR_texture_",
+                                                       "KHR_lights_",
+                                                       "KHR_xmp",
+                                                       "KHR_animation_pointer",
+                                                       "EXT_texture_",
+                                                       "EXT_lights_",
+                                                       "MSFT_texture_",
+                                                       "ADOBE_materials_"};
+
+constexpr std::array<double, 3> index_types = {5121, 5123, 5125};
+constexpr double float_type = 5126;
+constexpr double triangle_mode = 4;
+
+std::vector<Id> list(const JsonText& json, Id id, std::string_view key)
+{
+    const auto found = json.member(id, key);
+    return found ? json.children(*found) : std::vector<Id>{};
+}
+
+class GeometryCheck {
+public:
+    GeometryCheck(const MeshSource& source, const JsonText& json)
+        : source_(source), json_(json), accessors_(list(json, JsonText::root(), "accessors"))
+    {}
+
+    [[nodiscard]] Status extensions() const
+    {
+        for (const Id each : list(json_, JsonText::root(), "extensionsRequired")) {
+            const std::string_view name = json_[each].text;
+            const auto begins_so = [&](std::string_view start) { return name.starts_with(start); };
+            if (std::ranges::any_of(harmless, begins_so)) continue;
+            const std::string_view advice = name == "KHR_mesh_quantization"
+                                                ? "write positions as floats (gltfpack -noq)"
+                                                : "save it without";
+            return fail(ErrorCode::unsupported_format,
+                        concat("it requires the extension ", name, ", which is not read: ", advice),
+                        source_.name);
+        }
+        return {};
+    }
+
+    [[nodiscard]] Status primitives() const
+    {
+        const std::vector<Id> meshes = list(json_, JsonText::root(), "meshes");
+        for (std::size_t mesh = 0; mesh < meshes.size(); ++mesh) {
+            for (const Id primitive : list(json_, meshes[mesh], "primitives")) {
+                if (Status status = check(primitive, mesh); !status) return status;
+            }
+        }
+        return {};
+    }
+
+private:
+    [[nodiscard]] Status check(Id primitive, std::size_t mesh) const
+    {
+        const auto refuse = [&](std::string_view what) {
+            return fail(ErrorCode::malformed_file, concat(what, " of mesh ", mesh), source_.name);
+        };
+        const auto attributes = json_.member(primitive, "attributes");
+        const auto positions = attributes ? accessor(*attributes, "POSITION") : std::nullopt;
+        if (positions) {
+            if (json_.number(*positions, "componentType", float_type) != float_type)
+                return refuse("floats are needed for the positions");
+            const auto type = json_.member(*positions, "type");
+            if (type && json_[*type].text != "VEC3")
+                return refuse("three numbers each are needed for the positions");
+        }
+        const auto indices = accessor(primitive, "indices");
+        if (indices) {
+            const double type = json_.number(*indices, "componentType", index_types.back());
+            if (std::ranges::find(index_types, type) == index_types.end())
+                return refuse("unsigned integers are needed for the indices");
+            const auto shape = json_.member(*indices, "type");
+            if (shape && json_[*shape].text != "SCALAR")
+                return refuse("single numbers are needed for the indices");
+        }
+        const auto corners = indices ? indices : positions;
+        const bool is_list = json_.number(primitive, "mode", triangle_mode) == triangle_mode;
+        if (is_list && corners && std::fmod(json_.number(*corners, "count", 0), 3) != 0)
+            return refuse("the last triangle is not whole: the number of corners is no multiple of "
+                          "three in a primitive");
+        return {};
+    }
+
+    /// Of glTF 2, by number; glTF 1 has names.
+    [[nodiscard]] std::optional<Id> accessor(Id owner, std::string_view key) const
+    {
+        const auto reference = json_.member(owner, key);
+        if (!reference || json_[*reference].kind != JsonText::Kind::number) return std::nullopt;
+        const double number = json_[*reference].number;
+        if (!(number >= 0 && number < static_cast<double>(accessors_.size()))) return std::nullopt;
+        return accessors_[static_cast<std::size_t>(number)];
+    }
+
+    const MeshSource& source_;
+    const JsonText& json_;
+    std::vector<Id> accessors_;
+};
+
+} // namespace
+
+Status check_gltf_geometry(const MeshSource& source, const JsonText& json)
+{
+    const GeometryCheck check(source, json);
+    if (Status status = check.extensions(); !status) return status;
+    return check.primitives();
+}
+
+} // namespace proxima::detail
