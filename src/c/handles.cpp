@@ -1,5 +1,7 @@
 #include "c/handles.h"
 
+#include "base/text.h"
+
 #include <algorithm>
 #include <cstdint>
 #include <exception>
@@ -25,6 +27,8 @@ void keep(std::string&& text) noexcept
     last_text = std::move(text);
     last_message = last_text.c_str();
 }
+
+constexpr std::int32_t most_threads = 1024;
 
 static_assert(static_cast<int>(ErrorCode::invalid_argument) + 1 == PROXIMA_INVALID_ARGUMENT);
 static_assert(static_cast<int>(ErrorCode::malformed_file) + 1 == PROXIMA_MALFORMED_FILE);
@@ -61,18 +65,31 @@ proxima_status failed_by_exception() noexcept
     }
 }
 
+proxima_status check_count(std::size_t count, std::size_t most, const char* limit) noexcept
+{
+    if (count <= most) return PROXIMA_OK;
+    return guarded([&] {
+        return failed({ErrorCode::limit_exceeded, concat(limit, ", not ", count), {}});
+    });
+}
+
 proxima_status refused(const char* message) noexcept
 {
     keep(message);
     return PROXIMA_INVALID_ARGUMENT;
 }
 
-Execution execution_of(const proxima_execution* execution) noexcept
+std::optional<Execution> execution_of(const proxima_execution* execution) noexcept
 {
-    if (execution == nullptr) return {};
-    return {.threads = {execution->threads},
-            .progress = execution->progress != nullptr ? &execution->progress->progress : nullptr,
-            .budget = {execution->budget_bytes}};
+    if (execution == nullptr) return Execution{};
+    if (execution->threads < 0 || execution->threads > most_threads) {
+        refused("threads: must be from 0 to 1024; 0 is all of the machine");
+        return {};
+    }
+    return Execution{.threads = {execution->threads},
+                     .progress =
+                         execution->progress != nullptr ? &execution->progress->progress : nullptr,
+                     .budget = {execution->budget_bytes}};
 }
 
 std::span<const Vec3> points_of(const double* points, std::size_t count)

@@ -10,7 +10,9 @@
 #include "proxima/touch_scene.h"
 #include "proxima/triangle_mesh.h"
 
+#include <cstddef>
 #include <memory>
+#include <optional>
 #include <span>
 #include <utility>
 
@@ -40,6 +42,8 @@ namespace proxima::c {
 proxima_status failed(const Error& error) noexcept;
 /// Keeps a message for the exception that a handler has caught, and gives its status.
 proxima_status failed_by_exception() noexcept;
+/// Refuses more than `most` elements, before any is read. `limit` begins the message.
+proxima_status check_count(std::size_t count, std::size_t most, const char* limit) noexcept;
 /// Keeps this message about an argument, and gives PROXIMA_INVALID_ARGUMENT.
 proxima_status refused(const char* message) noexcept;
 
@@ -69,7 +73,8 @@ inline proxima_status status_of(const Status& status) noexcept
     return status ? PROXIMA_OK : failed(status.error());
 }
 
-Execution execution_of(const proxima_execution* execution) noexcept;
+/// Nothing where the number of threads is out of range: then refused() was called.
+std::optional<Execution> execution_of(const proxima_execution* execution) noexcept;
 
 inline Vec3 vector_of(const double* numbers) noexcept
 {

@@ -6,6 +6,7 @@
 
 #include <array>
 #include <cstdint>
+#include <limits>
 #include <vector>
 
 namespace {
@@ -25,6 +26,19 @@ proxima_status give(const Result<MeshIndex>& made, proxima_index** index)
     if (!made) return failed(made.error());
     *index = new proxima_index{*made};
     return PROXIMA_OK;
+}
+
+// Checked before the arrays are copied, as the library does after.
+
+proxima_status check_vertices(std::size_t count) noexcept
+{
+    return check_count(count, std::numeric_limits<std::uint32_t>::max() - 1,
+                       "a mesh has at most 2^32 - 2 vertices");
+}
+
+proxima_status check_elements(std::size_t count, const char* limit) noexcept
+{
+    return check_count(count, std::numeric_limits<std::int32_t>::max(), limit);
 }
 
 constexpr std::uint32_t all_additions = PROXIMA_LISTS | PROXIMA_SLABS | PROXIMA_SIGNS;
@@ -51,6 +65,10 @@ proxima_status proxima_mesh_create(const double* vertices, size_t vertex_count,
     if (any_null(mesh)) return PROXIMA_INVALID_ARGUMENT;
     if (vertex_count > 0 && any_null(vertices)) return PROXIMA_INVALID_ARGUMENT;
     if (triangle_count > 0 && any_null(triangles)) return PROXIMA_INVALID_ARGUMENT;
+    if (const auto status = check_vertices(vertex_count); status != PROXIMA_OK) return status;
+    if (const auto status = check_elements(triangle_count, "a mesh has at most 2^31 - 1 triangles");
+        status != PROXIMA_OK)
+        return status;
     return guarded([&] {
         const auto points = points_of(vertices, vertex_count);
         std::vector<Vec3> positions(points.begin(), points.end());
@@ -65,6 +83,9 @@ proxima_status proxima_mesh_of_points(const double* points, size_t point_count, 
 {
     if (any_null(mesh)) return PROXIMA_INVALID_ARGUMENT;
     if (point_count > 0 && any_null(points)) return PROXIMA_INVALID_ARGUMENT;
+    if (const auto status = check_elements(point_count, "a mesh has at most 2^31 - 1 points");
+        status != PROXIMA_OK)
+        return status;
     return guarded([&] {
         const auto given = points_of(points, point_count);
         return give(mesh_of_points({given.begin(), given.end()}), mesh);
@@ -78,6 +99,10 @@ proxima_status proxima_mesh_of_segments(const double* points, size_t point_count
     if (any_null(mesh)) return PROXIMA_INVALID_ARGUMENT;
     if (point_count > 0 && any_null(points)) return PROXIMA_INVALID_ARGUMENT;
     if (segment_count > 0 && any_null(segments)) return PROXIMA_INVALID_ARGUMENT;
+    if (const auto status = check_vertices(point_count); status != PROXIMA_OK) return status;
+    if (const auto status = check_elements(segment_count, "a mesh has at most 2^31 - 1 segments");
+        status != PROXIMA_OK)
+        return status;
     return guarded([&] {
         const auto given = points_of(points, point_count);
         std::vector<std::array<std::uint32_t, 2>> ends(segment_count);
@@ -150,8 +175,9 @@ proxima_status proxima_index_build(const proxima_mesh* mesh, uint32_t additions,
     if (any_null(mesh, index)) return PROXIMA_INVALID_ARGUMENT;
     if ((additions & ~all_additions) != 0)
         return refused("additions: not a sum of PROXIMA_LISTS, PROXIMA_SLABS and PROXIMA_SIGNS");
-    return guarded(
-        [&] { return give(build(mesh->mesh, additions, execution_of(execution)), index); });
+    const std::optional<Execution> how = execution_of(execution);
+    if (!how) return PROXIMA_INVALID_ARGUMENT;
+    return guarded([&] { return give(build(mesh->mesh, additions, *how), index); });
 }
 
 proxima_status proxima_index_save(const proxima_index* index, const char* path)

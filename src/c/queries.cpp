@@ -9,6 +9,7 @@
 #include "proxima/view_volume.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstddef>
 #include <limits>
 #include <memory>
@@ -81,6 +82,14 @@ bool is_finite(const double* point)
     return false;
 }
 
+/// Below 0 nothing is found; NaN is a mistake of the caller. `message` is for that.
+bool is_number(double bound, const char* message)
+{
+    if (!std::isnan(bound)) return true;
+    refused(message);
+    return false;
+}
+
 bool is_ray(const Ray& ray)
 {
     if (is_valid(ray)) return true;
@@ -99,7 +108,9 @@ std::span<const Ray> rays_of(const proxima_ray* rays, std::size_t count)
 proxima_status proxima_closest_feature(const proxima_index* index, const double point[3],
                                        double radius, proxima_closest* closest)
 {
-    if (any_null(index, point, closest) || !is_finite(point)) return PROXIMA_INVALID_ARGUMENT;
+    if (any_null(index, point, closest) || !is_finite(point) ||
+        !is_number(radius, "radius: is NaN; give a number, or INFINITY for any distance"))
+        return PROXIMA_INVALID_ARGUMENT;
     const auto found = closest_feature(index->index, vector_of(point), {.radius = radius});
     *closest = converted(found.value_or(no_closest_feature()));
     return PROXIMA_OK;
@@ -111,6 +122,8 @@ proxima_status proxima_closest_features(const proxima_index* index, const double
                                         uint32_t* triangles)
 {
     if (any_null(index) || (count > 0 && any_null(points))) return PROXIMA_INVALID_ARGUMENT;
+    const std::optional<Execution> how = execution_of(execution);
+    if (!how) return PROXIMA_INVALID_ARGUMENT;
     return guarded([&] {
         // An error must leave the caller's arrays as they are.
         std::vector<ClosestFeature> answers(closest != nullptr ? count : 0);
@@ -119,7 +132,7 @@ proxima_status proxima_closest_features(const proxima_index* index, const double
         const Status done =
             closest_features(index->index, points_of(points, count),
                              {.answers = answers, .squared_distances = squared, .triangles = ids},
-                             {.execution = execution_of(execution)});
+                             {.execution = *how});
         if (!done) return failed(done.error());
         std::copy(squared.begin(), squared.end(), squared_distances);
         std::transform(answers.begin(), answers.end(), closest,
@@ -146,11 +159,12 @@ proxima_status proxima_signed_distances(const proxima_index* index, const double
 {
     if (any_null(index) || (count > 0 && any_null(points, distances)))
         return PROXIMA_INVALID_ARGUMENT;
+    const std::optional<Execution> how = execution_of(execution);
+    if (!how) return PROXIMA_INVALID_ARGUMENT;
     return guarded([&] {
         std::vector<double> found(count);
-        const Status done =
-            signed_distances(index->index, points_of(points, count), {.distances = found},
-                             {.execution = execution_of(execution)});
+        const Status done = signed_distances(index->index, points_of(points, count),
+                                             {.distances = found}, {.execution = *how});
         if (!done) return failed(done.error());
         std::copy(found.begin(), found.end(), distances);
         return PROXIMA_OK;
@@ -175,10 +189,12 @@ proxima_status proxima_first_hits(const proxima_index* index, const proxima_ray*
     if (any_null(index) || (count > 0 && any_null(rays, hits))) return PROXIMA_INVALID_ARGUMENT;
     const std::optional<Faces> sides = faces_of(faces);
     if (!sides) return PROXIMA_INVALID_ARGUMENT;
+    const std::optional<Execution> how = execution_of(execution);
+    if (!how) return PROXIMA_INVALID_ARGUMENT;
     return guarded([&] {
         std::vector<std::optional<RayHit>> found(count);
         const Status done = closest_hits(index->index, rays_of(rays, count), found,
-                                         {.faces = *sides, .execution = execution_of(execution)});
+                                         {.faces = *sides, .execution = *how});
         if (!done) return failed(done.error());
         std::transform(found.begin(), found.end(), hits,
                        [](const std::optional<RayHit>& hit) { return converted(hit); });
@@ -193,10 +209,12 @@ proxima_status proxima_any_hits(const proxima_index* index, const proxima_ray* r
     if (any_null(index) || (count > 0 && any_null(rays, answers))) return PROXIMA_INVALID_ARGUMENT;
     const std::optional<Faces> sides = faces_of(faces);
     if (!sides) return PROXIMA_INVALID_ARGUMENT;
+    const std::optional<Execution> how = execution_of(execution);
+    if (!how) return PROXIMA_INVALID_ARGUMENT;
     return guarded([&] {
         const std::unique_ptr<bool[]> found(new bool[count]());
         const Status done = any_hits(index->index, rays_of(rays, count), {found.get(), count},
-                                     {.faces = *sides, .execution = execution_of(execution)});
+                                     {.faces = *sides, .execution = *how});
         if (!done) return failed(done.error());
         std::copy_n(found.get(), count, answers);
         return PROXIMA_OK;
@@ -249,7 +267,9 @@ proxima_status proxima_mesh_distance(const proxima_index* a, const proxima_index
                                      const double pose_b[12], double farthest,
                                      proxima_distance* distance)
 {
-    if (any_null(a, b, distance)) return PROXIMA_INVALID_ARGUMENT;
+    if (any_null(a, b, distance) ||
+        !is_number(farthest, "farthest: is NaN; give a number, or INFINITY for any distance"))
+        return PROXIMA_INVALID_ARGUMENT;
     return guarded([&] {
         const Result<RigidTransform> pose = pose_of(pose_b);
         if (!pose) return failed(pose.error());
@@ -271,6 +291,11 @@ proxima_status proxima_visible_triangles(const proxima_index* index, const doubl
 {
     if (any_null(index, planes, count) || (capacity > 0 && any_null(ids)))
         return PROXIMA_INVALID_ARGUMENT;
+    static_assert(max_view_planes == 1024);
+    if (const auto status =
+            check_count(plane_count, max_view_planes, "a view volume has at most 1024 planes");
+        status != PROXIMA_OK)
+        return status;
     return guarded([&] {
         std::vector<ViewPlane> sides(plane_count);
         for (std::size_t i = 0; i < plane_count; ++i)

@@ -137,8 +137,15 @@ static void test_points_and_segments(void)
     REFUSES(proxima_mesh_of_segments(octahedron, 6, beyond, 1, &mesh), PROXIMA_INVALID_MESH, "segment 0 uses point 6");
     REFUSES(proxima_mesh_of_segments(octahedron, 6, NULL, 1, &mesh), PROXIMA_INVALID_ARGUMENT, "NULL");
     REFUSES(proxima_mesh_of_points(NULL, 6, &mesh), PROXIMA_INVALID_ARGUMENT, "NULL");
-    REFUSES(proxima_mesh_of_points(octahedron, (size_t)-1 / 8 + 1, &mesh), PROXIMA_OUT_OF_MEMORY, "count");
-    REFUSES(proxima_mesh_create(octahedron, (size_t)-1 / 16 + 1, faces, 8, &mesh), PROXIMA_OUT_OF_MEMORY, "count");
+    /* limits are checked before any element is read */
+    const size_t counts[] = {(size_t)1 << 32, (size_t)1 << 60, (size_t)-1};
+    for (int i = 0; i < 3; ++i) {
+        REFUSES(proxima_mesh_of_points(octahedron, counts[i], &mesh), PROXIMA_LIMIT_EXCEEDED, "2^31 - 1 points");
+        REFUSES(proxima_mesh_of_segments(octahedron, counts[i], ends, 2, &mesh), PROXIMA_LIMIT_EXCEEDED, "2^32 - 2 vertices");
+        REFUSES(proxima_mesh_of_segments(octahedron, 6, ends, counts[i], &mesh), PROXIMA_LIMIT_EXCEEDED, "2^31 - 1 segments");
+        REFUSES(proxima_mesh_create(octahedron, counts[i], faces, 8, &mesh), PROXIMA_LIMIT_EXCEEDED, "2^32 - 2 vertices");
+        REFUSES(proxima_mesh_create(octahedron, 6, faces, counts[i], &mesh), PROXIMA_LIMIT_EXCEEDED, "2^31 - 1 triangles");
+    }
     REFUSES(proxima_mesh_of_points(octahedron, 6, NULL), PROXIMA_INVALID_ARGUMENT, "NULL");
     CHECK(mesh == NULL);
 }
@@ -184,6 +191,26 @@ static void test_execution(void)
     proxima_progress_destroy(progress);
     proxima_execution small = {0, 1000, NULL};
     REFUSES(proxima_index_build(mesh, 0, &small, &index), PROXIMA_BUDGET_EXCEEDED, "");
+
+    const proxima_execution most = {1024, 0, NULL};
+    CHECK(proxima_index_build(mesh, PROXIMA_SIGNS, &most, &index) == PROXIMA_OK);
+    const int32_t wrong[] = {-1, 1025, INT32_MIN, INT32_MAX};
+    const double point[] = {0, 0, 2};
+    const proxima_ray ray = {{0, 0, 2}, {0, 0, -1}, 0, INFINITY};
+    for (int i = 0; i < 4; ++i) {
+        const proxima_execution bad = {wrong[i], 0, NULL};
+        proxima_index* none = NULL;
+        double distance = 7;
+        proxima_hit hit;
+        uint8_t any = 7;
+        REFUSES(proxima_index_build(mesh, 0, &bad, &none), PROXIMA_INVALID_ARGUMENT, "threads: must be from 0 to 1024");
+        REFUSES(proxima_closest_features(index, point, 1, &bad, NULL, &distance, NULL), PROXIMA_INVALID_ARGUMENT, "threads");
+        REFUSES(proxima_signed_distances(index, point, 1, &bad, &distance), PROXIMA_INVALID_ARGUMENT, "threads");
+        REFUSES(proxima_first_hits(index, &ray, 1, PROXIMA_BOTH, &bad, &hit), PROXIMA_INVALID_ARGUMENT, "threads");
+        REFUSES(proxima_any_hits(index, &ray, 1, PROXIMA_BOTH, &bad, &any), PROXIMA_INVALID_ARGUMENT, "threads");
+        CHECK(none == NULL && distance == 7 && any == 7);
+    }
+    proxima_index_destroy(index);
     proxima_mesh_destroy(mesh);
 }
 
@@ -208,6 +235,10 @@ static void test_closest(void)
     CHECK(closest.triangle == PROXIMA_NONE && isnan(closest.squared_distance));
     const double nowhere[] = {0, NAN, 0};
     REFUSES(proxima_closest_feature(index, nowhere, INFINITY, &closest), PROXIMA_INVALID_ARGUMENT, "finite");
+    closest.triangle = 77;
+    REFUSES(proxima_closest_feature(index, points, NAN, &closest), PROXIMA_INVALID_ARGUMENT, "radius: is NaN");
+    CHECK(closest.triangle == 77);
+    CHECK(proxima_closest_feature(index, points, -1, &closest) == PROXIMA_OK && closest.triangle == PROXIMA_NONE);
 
     CHECK(proxima_closest_features(index, points, 4, NULL, many, squared, triangles) == PROXIMA_OK);
     for (int i = 0; i < 4; ++i) {
@@ -217,6 +248,7 @@ static void test_closest(void)
     }
     CHECK(proxima_closest_features(index, points, 4, NULL, NULL, NULL, triangles) == PROXIMA_OK);
     CHECK(proxima_closest_features(index, NULL, 0, NULL, NULL, NULL, NULL) == PROXIMA_OK);
+    REFUSES(proxima_closest_features(index, points, (size_t)-1 / 8 + 1, NULL, NULL, NULL, NULL), PROXIMA_OUT_OF_MEMORY, "count");
     REFUSES(proxima_closest_features(index, nowhere, 1, NULL, NULL, squared, NULL), PROXIMA_INVALID_ARGUMENT, "point 0");
     /* what cannot be answered leaves the arrays as they were */
     const double one_of_two[] = {0, 0, 3, NAN, 0, 0};
@@ -262,6 +294,10 @@ static void test_rays(void)
     CHECK(proxima_all_hits(index, &rays[0], PROXIMA_BOTH, hits, 3, &count) == PROXIMA_OK && hits[1].t == 2.75);
     CHECK(proxima_all_hits(index, &rays[1], PROXIMA_BOTH, NULL, 0, &count) == PROXIMA_OK && count == 0);
     REFUSES(proxima_first_hit(index, &none, PROXIMA_BOTH, &hit), PROXIMA_INVALID_ARGUMENT, "direction");
+    proxima_ray nan = rays[0];
+    nan.t_max = NAN;
+    REFUSES(proxima_first_hit(index, &nan, PROXIMA_BOTH, &hit), PROXIMA_INVALID_ARGUMENT, "finite");
+    REFUSES(proxima_all_hits(index, &nan, PROXIMA_BOTH, hits, 3, &count), PROXIMA_INVALID_ARGUMENT, "finite");
     REFUSES(proxima_first_hits(index, &none, 1, PROXIMA_BOTH, NULL, hits), PROXIMA_INVALID_ARGUMENT, "ray 0");
     REFUSES(proxima_any_hits(index, rays, 3, (proxima_faces)3, NULL, any), PROXIMA_INVALID_ARGUMENT, "faces");
     proxima_index_destroy(index);
@@ -282,6 +318,10 @@ static void test_two_meshes(void)
     CHECK(distance.distance == 3 && distance.point_a[0] == 1 && distance.point_b[0] == 4);
     CHECK(proxima_mesh_distance(index, index, pose, 2, &distance) == PROXIMA_OK);
     CHECK(isinf(distance.distance) && distance.triangle_a == PROXIMA_NONE);
+    distance.distance = 7;
+    REFUSES(proxima_mesh_distance(index, index, pose, NAN, &distance), PROXIMA_INVALID_ARGUMENT, "farthest: is NaN");
+    CHECK(distance.distance == 7);
+    CHECK(proxima_mesh_distance(index, index, pose, -1, &distance) == PROXIMA_OK && distance.triangle_a == PROXIMA_NONE);
     pose[3] = 2; /* a corner at a corner */
     CHECK(proxima_meshes_intersect(index, index, pose, &meet) == PROXIMA_OK && meet == 1);
     CHECK(proxima_intersecting_pairs(index, index, pose, pairs, 32, &count) == PROXIMA_OK && count == 16);
@@ -299,6 +339,14 @@ static void test_two_meshes(void)
     CHECK(count == 2 && ((ids[0] == 0 && ids[1] == 4) || (ids[0] == 4 && ids[1] == 0)));
     CHECK(proxima_visible_triangles(index, planes, 2, 0, NULL, 0, &count) == PROXIMA_OK && count >= 2);
     REFUSES(proxima_visible_triangles(index, NULL, 2, 1, ids, 8, &count), PROXIMA_INVALID_ARGUMENT, "NULL");
+    /* the limit is checked before any plane is read */
+    double most[4 * 1024];
+    for (int i = 0; i < 4 * 1024; ++i) most[i] = planes[i % 8];
+    CHECK(proxima_visible_triangles(index, most, 1024, 1, ids, 8, &count) == PROXIMA_OK && count == 2);
+    const size_t too_many[] = {1025, 100000000, (size_t)1 << 60, (size_t)-1};
+    for (int i = 0; i < 4; ++i) {
+        REFUSES(proxima_visible_triangles(index, planes, too_many[i], 1, ids, 8, &count), PROXIMA_LIMIT_EXCEEDED, "at most 1024 planes, not 1");
+    }
     proxima_index_destroy(index);
     proxima_mesh_destroy(mesh);
 }
@@ -329,6 +377,11 @@ static void test_touch(void)
 
     const proxima_material material = {300, 1, 0.2, 0.1}, wrong = {300, 1, 0.1, 0.2};
     REFUSES(proxima_body_create(block, &wrong, &body), PROXIMA_INVALID_ARGUMENT, "friction");
+    for (int i = 0; i < 4; ++i) {
+        proxima_material nan = material;
+        *(i == 0 ? &nan.stiffness : i == 1 ? &nan.damping : i == 2 ? &nan.static_friction : &nan.dynamic_friction) = NAN;
+        REFUSES(proxima_body_create(block, &nan, &body), PROXIMA_INVALID_ARGUMENT, "");
+    }
     CHECK(proxima_body_create(block, &material, &body) == PROXIMA_OK);
     REFUSES(proxima_scene_create(upper, lower, &scene), PROXIMA_INVALID_ARGUMENT, "box");
     REFUSES(proxima_scene_create(lower, lower, &scene), PROXIMA_INVALID_ARGUMENT, "flat");
@@ -339,6 +392,7 @@ static void test_touch(void)
     CHECK(proxima_fit_workspace(lower, upper, limits.workspace_radius, &workspace) == PROXIMA_OK);
     CHECK(is_near(workspace.units_per_metre, sqrt(3.0) / (0.6 * limits.workspace_radius)));
     REFUSES(proxima_fit_workspace(lower, upper, 0, &workspace), PROXIMA_INVALID_ARGUMENT, "radius");
+    REFUSES(proxima_fit_workspace(lower, upper, NAN, &workspace), PROXIMA_INVALID_ARGUMENT, "radius");
     const double far_lower[] = {-8e307, -8e307, -8e307}, far_upper[] = {8e307, 8e307, 8e307};
     REFUSES(proxima_fit_workspace(far_lower, far_upper, 0.05, &workspace), PROXIMA_INVALID_ARGUMENT, "large");
     workspace.units_per_metre = 1;
@@ -346,6 +400,9 @@ static void test_touch(void)
     CHECK(options.guard == PROXIMA_GUARD_ON && options.proxy_radius == 0);
     options.guard = 5;
     REFUSES(proxima_renderer_create(scene, &workspace, &limits, &options, &renderer), PROXIMA_INVALID_ARGUMENT, "guard");
+    proxima_render_options_default(&options);
+    options.proxy_radius = NAN;
+    REFUSES(proxima_renderer_create(scene, &workspace, &limits, &options, &renderer), PROXIMA_INVALID_ARGUMENT, "proxy_radius");
     CHECK(proxima_renderer_create(scene, &workspace, &limits, NULL, &renderer) == PROXIMA_OK);
     /* What they were made from is not needed any longer. */
     proxima_body_destroy(body);
@@ -369,6 +426,11 @@ static void test_touch(void)
     const proxima_motion motion = {{1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, -0.01}, 0.5, {0, 0, 0}, {0, 0, 0}, 0};
     CHECK(proxima_scene_move(scene, 0, &motion) == PROXIMA_OK);
     REFUSES(proxima_scene_move(scene, 1, &motion), PROXIMA_INVALID_ARGUMENT, "object");
+    for (int i = 0; i < 4; ++i) {
+        proxima_motion nan = motion;
+        *(i == 0 ? &nan.seconds : i == 1 ? &nan.velocity[1] : i == 2 ? &nan.spin[2] : &nan.coast_seconds) = NAN;
+        REFUSES(proxima_scene_move(scene, 0, &nan), PROXIMA_INVALID_ARGUMENT, "");
+    }
     proxima_scene_destroy(scene); /* the renderer holds on to it */
     for (int i = 0; i < 600; ++i) CHECK(proxima_renderer_tick(renderer, at, NULL, 1e-3, &tick) == PROXIMA_OK);
     CHECK(tick.force[2] == 0 && tick.holds == 0);
@@ -376,7 +438,9 @@ static void test_touch(void)
     const double lost[] = {NAN, 0, 0};
     CHECK(proxima_renderer_tick(renderer, at, at, 1e-3, &tick) == PROXIMA_OK && tick.fault == 0);
     CHECK(proxima_renderer_tick(renderer, lost, NULL, 1e-3, &tick) == PROXIMA_OK && tick.fault == 1);
+    CHECK(proxima_renderer_tick(renderer, at, lost, 1e-3, &tick) == PROXIMA_OK && isfinite(tick.force[0]));
     REFUSES(proxima_renderer_tick(renderer, at, NULL, 0, &tick), PROXIMA_INVALID_ARGUMENT, "seconds");
+    REFUSES(proxima_renderer_tick(renderer, at, NULL, NAN, &tick), PROXIMA_INVALID_ARGUMENT, "seconds");
     proxima_renderer_destroy(renderer);
 }
 

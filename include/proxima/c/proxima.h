@@ -83,7 +83,8 @@ PROXIMA_C_API const char* proxima_error_message(void);
 
 /* Where a pointer to one is taken, NULL stands for zeros. */
 typedef struct proxima_execution {
-    int32_t threads;       /* 0: all of the machine; 1024 at most. Results never depend on it. */
+    /* 0: all of the machine; 1024 at most, else PROXIMA_INVALID_ARGUMENT. Results never depend on it. */
+    int32_t threads;
     uint64_t budget_bytes; /* of result and scratch; 0: three quarters of the machine's memory */
     proxima_progress* progress; /* may be NULL */
 } proxima_execution;
@@ -100,7 +101,8 @@ PROXIMA_C_API const char* proxima_progress_stage(const proxima_progress* progres
 
 /* ---- Meshes ------------------------------------------------------------------------------------------------ */
 
-/* Copies the arrays. PROXIMA_INVALID_MESH where an index is out of range. */
+/* Copies the arrays. PROXIMA_INVALID_MESH where an index is out of range. PROXIMA_LIMIT_EXCEEDED of all three, before
+ * an array is read: more than 2^32 - 2 vertices or 2^31 - 1 triangles. */
 PROXIMA_C_API proxima_status proxima_mesh_create(const double* vertices, size_t vertex_count,
                                                  const uint32_t* triangles, size_t triangle_count,
                                                  proxima_mesh** mesh);
@@ -172,8 +174,8 @@ typedef struct proxima_closest {
     int32_t kind;     /* proxima_feature_kind */
 } proxima_closest;
 
-/* The vertex, edge or face closest to a point, no farther than the radius (INFINITY: any). Real-time safe.
- * PROXIMA_INVALID_ARGUMENT: the point is not finite. */
+/* The vertex, edge or face closest to a point, no farther than the radius (INFINITY: any; below 0: nothing is found).
+ * Real-time safe. PROXIMA_INVALID_ARGUMENT: the point is not finite, or the radius is NaN. */
 PROXIMA_C_API proxima_status proxima_closest_feature(const proxima_index* index,
                                                      const double point[3], double radius,
                                                      proxima_closest* closest);
@@ -253,15 +255,16 @@ typedef struct proxima_distance {
     uint32_t triangle_b;
 } proxima_distance;
 
-/* farthest: INFINITY, or where the search ends. Coordinates that are moved out of the doubles have no
- * right distance. Real-time safe. */
+/* farthest: INFINITY, or where the search ends; below 0 nothing is found, NaN is PROXIMA_INVALID_ARGUMENT. Coordinates
+ * that are moved out of the doubles have no right distance. Real-time safe. */
 PROXIMA_C_API proxima_status proxima_mesh_distance(const proxima_index* a, const proxima_index* b,
                                                    const double pose_b[12], double farthest,
                                                    proxima_distance* distance);
 
 /* ---- What a view volume sees ------------------------------------------------------------------------------- */
 
-/* Planes as 4 doubles each, normal and offset, with normal . x + offset >= 0 inside; at most 1024. Triangles that
+/* Planes as 4 doubles each, normal and offset, with normal . x + offset >= 0 inside; at most 1024, beyond that
+ * PROXIMA_LIMIT_EXCEEDED before a plane is read. Triangles that
  * have a point in common with the volume (exact != 0) or lie wholly outside of no plane (exact == 0). Writes the first
  * `capacity` ids, and how many there are in all. ids may be NULL where capacity is 0. */
 PROXIMA_C_API proxima_status proxima_visible_triangles(const proxima_index* index,
@@ -311,7 +314,7 @@ typedef struct proxima_device_limits {
     double max_force;        /* N */
     double max_stiffness;    /* N/m */
     double max_damping;      /* N s/m */
-    double workspace_radius; /* m */
+    double workspace_radius; /* m; a renderer does not use it */
 } proxima_device_limits;
 
 /* Of a known device: "touch", "omni", "desktop", "falcon", "omega", "delta". */
@@ -382,7 +385,7 @@ typedef struct proxima_tick {
 
 /* One tick of `seconds` with the device at `position` (m) and moving with `velocity` (m/s; may be NULL: none). Its
  * force goes to the device. Real-time safe, a few microseconds. A position that is not finite is no error: the force
- * fades. One thread. */
+ * fades; a velocity that is not finite counts as none. One thread. */
 PROXIMA_C_API proxima_status proxima_renderer_tick(proxima_renderer* renderer,
                                                    const double position[3],
                                                    const double velocity[3], double seconds,

@@ -265,7 +265,7 @@ Result<TriangleMesh> read_stl(const MeshSource& source, const ReadOptions& optio
                               Vertices vertices)
 {
     if (fits_binary(source.text)) return read_binary(source, options, vertices);
-    StlCursor start(source.text);
+    StlCursor start(without_byte_order_mark(source.text));
     // Text has no zero bytes, the numbers of a binary file nearly always do.
     const bool is_text =
         equals_any_case(start.word(), "solid") && source.text.find('\0') == std::string_view::npos;

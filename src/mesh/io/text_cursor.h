@@ -15,6 +15,13 @@
 
 namespace proxima::detail {
 
+/// The text behind the byte order mark of UTF-8, with which some editors begin a file.
+[[nodiscard]] inline std::string_view without_byte_order_mark(std::string_view text) noexcept
+{
+    constexpr std::string_view mark = "\xEF\xBB\xBF";
+    return text.starts_with(mark) ? text.substr(mark.size()) : text;
+}
+
 /// What separates values in a format.
 struct TextDialect {
     bool has_comments = false;         ///< '#' to the end of the line

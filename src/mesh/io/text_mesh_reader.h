@@ -2,6 +2,7 @@
 #pragma once
 
 #include "mesh/io/mesh_assembler.h"
+#include "mesh/io/text_cursor.h"
 
 #include <string>
 #include <utility>
@@ -13,7 +14,7 @@ template <class Cursor>
 class TextMeshReader {
 protected:
     TextMeshReader(const MeshSource& source, const ReadOptions& options)
-        : source_(source), cursor_(source.text), mesh_(source, options),
+        : source_(source), cursor_(without_byte_order_mark(source.text)), mesh_(source, options),
           progress_(options.execution.progress, source.text)
     {}
 
