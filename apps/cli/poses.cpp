@@ -61,9 +61,11 @@ Status add_pose(std::span<const double> n, Poses& poses)
 /// tx,ty,tz@ax,ay,az,degrees
 Result<RigidTransform> turned(std::span<const double> moved, std::span<const double> turn)
 {
-    const Vec3 axis(turn[0], turn[1], turn[2]);
-    if (!(axis.norm() > 0) || !std::isfinite(axis.norm()))
-        return refuse("the axis of a pose must not be zero");
+    Vec3 axis(turn[0], turn[1], turn[2]);
+    const double largest = axis.cwiseAbs().maxCoeff();
+    if (largest == 0) return refuse("the axis of a pose must not be zero");
+    // By a power of two, which rounds nothing, so that squares stay within the doubles.
+    for (double& component : axis) component = std::ldexp(component, -std::ilogb(largest));
     const double angle = std::fmod(turn[3], 360.0) * (std::numbers::pi / 180);
     RigidTransform pose;
     pose.rotation = Eigen::AngleAxisd(angle, axis.normalized()).toRotationMatrix();

@@ -269,6 +269,12 @@ struct OutputFile::State {
         const fs::path folder = destination.parent_path();
         std::error_code error;
         if (!folder.empty() && !fs::is_directory(folder, error)) {
+            fs::path above = folder;
+            while (!above.empty() && !fs::exists(above, error)) above = above.parent_path();
+            if (!above.empty() && !fs::is_directory(above, error)) {
+                return not_writable(
+                    name, concat(above.string(), " is not a folder: choose another place"));
+            }
             return not_writable(name, concat("the folder ", folder.string(),
                                              " does not exist: create it or choose another"));
         }

@@ -220,6 +220,11 @@ class Poses(ProgramTest):
         self.assertTrue(1e-9 < self.pairs(single)[0] < 1e-6)
         self.assertLess(self.pairs(exact)[0], 1e-9)
 
+    def test_axes_of_any_length(self):
+        usual = self.succeed("intersect", "cube", "cube", "--pose", "0.7,0.1,0@3,0,4,30")
+        for axis in ("3e300,0,4e300", "3e-200,0,4e-200", "0.9e308,0,1.2e308", "15e-323,0,20e-323"):
+            self.assertEqual(self.succeed("intersect", "cube", "cube", "--pose", f"0.7,0.1,0@{axis},30"), usual, axis)
+
     def test_what_is_no_pose(self):
         for text, says in (("1,2", "is no pose"), ("1,2,3@0,0,0,90", "axis"), ("1,2,3@0,0,90", "is no pose"),
                            ("0,0,0,1,1,1,1", "length 2"), (",".join(map(str, IDENTITY)) + ",0,0,1,1", "last row")):

@@ -337,6 +337,16 @@ TEST_F(OutputFileTest, ReportsWhyADestinationCannotBeWritten)
     EXPECT_NE(missing.error().message.find("does not exist"), std::string::npos);
     EXPECT_EQ(missing.error().where, path("missing/a.txt").string());
 
+    std::ofstream(path("a.obj")).flush();
+    for (const char* inside : {"a.obj/a.csv", "a.obj/b/a.csv"}) {
+        const auto file_as_folder = OutputFile::create(path(inside));
+        ASSERT_FALSE(file_as_folder);
+        EXPECT_EQ(file_as_folder.error().code, ErrorCode::file_not_writable);
+        EXPECT_NE(file_as_folder.error().message.find(path("a.obj").string() + " is not a folder"),
+                  std::string::npos)
+            << file_as_folder.error().message;
+    }
+
     // A folder that is there, in which nobody can make files.
     const auto closed = OutputFile::create("/proc/a.txt");
     ASSERT_FALSE(closed);

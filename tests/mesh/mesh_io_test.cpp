@@ -131,6 +131,11 @@ TEST(MeshIo, SkipsAByteOrderMark)
         {MeshFormat::obj, "# made by hand\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n"},
         {MeshFormat::off, "OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n"},
         {MeshFormat::off, "3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n"},
+        {MeshFormat::ply, file_content(fs::path(PROXIMA_SOURCE_DIR) / "fuzz/corpus/ply/big.ply")},
+        {MeshFormat::ply, "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\n"
+                          "property float y\nproperty float z\nelement face 1\n"
+                          "property list uchar int vertex_indices\nend_header\n"
+                          "0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n"},
         {MeshFormat::xyz, "0 0 0\n1 0 0\n0 1 0\n"},
         {MeshFormat::stl, "solid a\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\n"
                           "vertex 0 1 0\nendloop\nendfacet\nendsolid a\n"},

@@ -32,7 +32,8 @@ std::optional<PlyType> type_of(std::string_view word) noexcept
 
 class HeaderReader {
 public:
-    explicit HeaderReader(const MeshSource& source) noexcept : source_(source), cursor_(source.text)
+    explicit HeaderReader(const MeshSource& source) noexcept
+        : source_(source), cursor_(without_byte_order_mark(source.text))
     {}
 
     Result<PlyHeader> read()
