@@ -5,6 +5,7 @@
 #include "geometry/exact_predicates.h"
 #include "mesh/io/gltf_demand.h"
 #include "mesh/io/scene_files.h"
+#include "mesh/io/text_cursor.h"
 
 #include <assimp/Importer.hpp>
 #include <assimp/scene.h>
@@ -79,9 +80,7 @@ std::string_view json_of(const MeshSource& source, MeshFormat format)
     if (format == MeshFormat::glb) {
         return source.text.substr(glb_json_begin, glb_number(source.text, 12));
     }
-    constexpr std::string_view byte_order_mark = "\xEF\xBB\xBF";
-    const bool has_mark = source.text.starts_with(byte_order_mark);
-    return source.text.substr(has_mark ? byte_order_mark.size() : 0);
+    return without_byte_order_mark(source.text);
 }
 
 Status check_before_reading(const MeshSource& source, MeshFormat format, MemoryBudget budget)
