@@ -12,16 +12,18 @@ namespace {
 
 /// Sine of the angle by which a neighbour may be on the near side of a contact, for rounding.
 constexpr double near_side = 1e-7;
+/// The same where edges cross.
+constexpr double near_side_of_crossings = 0.01;
 /// Sine of the angle below which edges count as parallel: their ends are the contacts.
 constexpr double parallel = 1e-6;
 
-/// Whether no neighbour is nearer along the normal than the feature's point.
+/// Whether no neighbour is nearer along the normal than the feature's point, but for that sine.
 bool is_nearest(const PlacedFeatures& mesh, std::span<const std::uint32_t> neighbours,
-                const Vec3& point, const Vec3& normal) noexcept
+                const Vec3& point, const Vec3& normal, double sine) noexcept
 {
     for (const std::uint32_t each : neighbours) {
         const Vec3 to = mesh.pose(mesh.features->position(each)) - point;
-        if (normal.dot(to) > near_side * to.norm()) return false;
+        if (normal.dot(to) > sine * to.norm()) return false;
     }
     return true;
 }
@@ -82,12 +84,12 @@ public:
             const bool is_owned = (tool_row_.owned_vertices >> k & 1) != 0;
             const Vec3& corner = on_tool_.vertices[k];
             if (is_owned && scene_filter.may_have_foot(corner)) {
-                if (const auto foot = foot_on(on_scene_, corner)) add(*foot, corner);
+                if (const auto foot = foot_on(on_scene_, corner)) add(*foot, corner, {});
             }
             if ((scene_row_.owned_vertices >> k & 1) == 0) continue;
             const Vec3& vertex = on_scene_.vertices[k];
             if (!tool_filter.may_have_foot(vertex)) continue;
-            if (const auto foot = foot_on(on_tool_, vertex)) add(vertex, *foot);
+            if (const auto foot = foot_on(on_tool_, vertex)) add(vertex, *foot, {.turns = true});
         }
         for (std::size_t i = 0; i < 3; ++i) {
             for (std::size_t k = 0; k < 3; ++k) {
@@ -125,11 +127,16 @@ private:
         if (!(distance > 0 && distance <= farthest_)) return std::nullopt;
         return Vec3(across / distance);
     }
-    void add(const Vec3& scene, const Vec3& tool) noexcept
+    /// Takes a contact at these points, with what else is told of it.
+    void add(const Vec3& scene, const Vec3& tool, FeatureContact contact) noexcept
     {
         const auto normal = direction(scene, tool);
         if (!normal || count_ == contacts_.size()) return;
-        contacts_[count_++] = {scene, tool, *normal, (tool - scene).norm(), 0, 0};
+        contact.scene_point = scene;
+        contact.tool_point = tool;
+        contact.normal = *normal;
+        contact.gap = (tool - scene).norm();
+        contacts_[count_++] = contact;
     }
 
     void try_edges(std::size_t i, std::size_t k) noexcept
@@ -152,10 +159,11 @@ private:
                             nearest.second.t < 1;
         if (!inside) return;
         const auto normal = direction(nearest.first.point, nearest.second.point);
-        if (!normal || !is_scene_edge(i, nearest.first.point, *normal) ||
-            !is_tool_edge(k, nearest.second.point, *normal))
+        if (!normal || !is_scene_edge(i, nearest.first.point, *normal, near_side_of_crossings) ||
+            !is_tool_edge(k, nearest.second.point, *normal, near_side_of_crossings))
             return;
-        add(nearest.first.point, nearest.second.point);
+        add(nearest.first.point, nearest.second.point,
+            {.scene_edge = u.normalized(), .tool_edge = w.normalized()});
     }
     void try_tool_vertex(std::size_t i, std::size_t k) noexcept
     {
@@ -163,8 +171,9 @@ private:
         const SegmentPoint foot = closest_point(side_of(on_scene_, i), vertex);
         if (!(foot.t > 0 && foot.t < 1)) return;
         const auto normal = direction(foot.point, vertex);
-        if (normal && is_scene_edge(i, foot.point, *normal) && is_tool_vertex(k, *normal))
-            add(foot.point, vertex);
+        if (normal && is_scene_edge(i, foot.point, *normal, near_side) &&
+            is_tool_vertex(k, *normal))
+            add(foot.point, vertex, {});
     }
     void try_scene_vertex(std::size_t i, std::size_t k) noexcept
     {
@@ -172,35 +181,38 @@ private:
         const SegmentPoint foot = closest_point(side_of(on_tool_, k), vertex);
         if (!(foot.t > 0 && foot.t < 1)) return;
         const auto normal = direction(vertex, foot.point);
-        if (normal && is_scene_vertex(i, *normal) && is_tool_edge(k, foot.point, *normal))
-            add(vertex, foot.point);
+        if (normal && is_scene_vertex(i, *normal) &&
+            is_tool_edge(k, foot.point, *normal, near_side))
+            add(vertex, foot.point, {.turns = true});
     }
     void try_vertices(std::size_t i, std::size_t k) noexcept
     {
         const auto normal = direction(on_scene_.vertices[i], on_tool_.vertices[k]);
         if (normal && is_scene_vertex(i, *normal) && is_tool_vertex(k, *normal))
-            add(on_scene_.vertices[i], on_tool_.vertices[k]);
+            add(on_scene_.vertices[i], on_tool_.vertices[k], {});
     }
 
-    [[nodiscard]] bool is_scene_edge(std::size_t i, const Vec3& point,
-                                     const Vec3& normal) const noexcept
+    [[nodiscard]] bool is_scene_edge(std::size_t i, const Vec3& point, const Vec3& normal,
+                                     double sine) const noexcept
     {
-        return is_nearest(scene_, scene_.features->around_edge(scene_row_.edges[i]), point, normal);
+        return is_nearest(scene_, scene_.features->around_edge(scene_row_.edges[i]), point, normal,
+                          sine);
     }
-    [[nodiscard]] bool is_tool_edge(std::size_t k, const Vec3& point,
-                                    const Vec3& normal) const noexcept
+    [[nodiscard]] bool is_tool_edge(std::size_t k, const Vec3& point, const Vec3& normal,
+                                    double sine) const noexcept
     {
-        return is_nearest(tool_, tool_.features->around_edge(tool_row_.edges[k]), point, -normal);
+        return is_nearest(tool_, tool_.features->around_edge(tool_row_.edges[k]), point, -normal,
+                          sine);
     }
     [[nodiscard]] bool is_scene_vertex(std::size_t i, const Vec3& normal) const noexcept
     {
         return is_nearest(scene_, scene_.features->around_vertex(scene_row_.vertices[i]),
-                          on_scene_.vertices[i], normal);
+                          on_scene_.vertices[i], normal, near_side);
     }
     [[nodiscard]] bool is_tool_vertex(std::size_t k, const Vec3& normal) const noexcept
     {
         return is_nearest(tool_, tool_.features->around_vertex(tool_row_.vertices[k]),
-                          on_tool_.vertices[k], -normal);
+                          on_tool_.vertices[k], -normal, near_side);
     }
 
     const PlacedFeatures& scene_;
@@ -215,6 +227,17 @@ private:
 };
 
 } // namespace
+
+double FeatureContact::gap_after(const Mat3& turn, const Vec3& moved_point) const noexcept
+{
+    const Vec3 across = moved_point - scene_point;
+    if (turns) return (turn * normal).dot(across);
+    const Vec3 crossing = scene_edge.cross(turn * tool_edge);
+    const double length = crossing.norm();
+    if (!(length > parallel)) return normal.dot(across);
+    const double height = crossing.dot(across) / length;
+    return crossing.dot(normal) < 0 ? -height : height;
+}
 
 std::size_t find_contacts(const NearPair& pair, const PlacedFeatures& scene,
                           const PlacedFeatures& tool, double farthest,

@@ -4,7 +4,9 @@
 //
 // A contact is where the distance of the two surfaces is least among near points: neighbours of a
 // vertex or an edge are no nearer. So a tool that slides over the edges between triangles of one plane
-// is not held back by them.
+// is not held back by them. Where edges cross, neighbours may be a little nearer: an edge of the tool
+// that all but lies in a face touches both borders of that face, or each motion would turn it about the
+// one into the other.
 #pragma once
 
 #include "haptics/tool/contact_features.h"
@@ -24,6 +26,13 @@ struct FeatureContact {
     double gap = 0;              ///< their distance
     std::uint32_t pair = 0;
     std::uint32_t object = 0;
+    bool turns = false; ///< the normal is that of a face or edge of the tool, and turns with it
+    Vec3 scene_edge = Vec3::Zero(); ///< of edges that cross: their directions, of length 1
+    Vec3 tool_edge = Vec3::Zero();
+
+    /// The gap between the features once the tool has turned about its origin and moved its point of
+    /// the contact, the scene at rest: right to the second order where the same features touch.
+    [[nodiscard]] double gap_after(const Mat3& turn, const Vec3& moved_point) const noexcept;
 };
 
 /// The features of an object, and where it is.

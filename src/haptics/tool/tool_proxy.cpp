@@ -217,8 +217,7 @@ double ToolProxy::cost(const RigidTransform& pose, const Vec6& wanted,
     const Mat3 turn = pose.rotation * pose_.rotation.transpose();
     for (const FeatureContact& contact : std::span(contacts_).first(contact_count_)) {
         const Vec3 point = turn * (contact.tool_point - pose_.translation) + pose.translation;
-        const double gap = contact.normal.dot(point - contact.scene_point);
-        short_of += std::max(options_.clearance - gap, 0.0);
+        short_of += std::max(options_.clearance - contact.gap_after(turn, point), 0.0);
     }
     const double lost = has_friction() ? friction_.loss(pose) : 0;
     return 0.5 * wanted.squaredNorm() + steepness * short_of + lost;

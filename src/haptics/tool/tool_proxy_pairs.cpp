@@ -122,7 +122,10 @@ bool ToolProxy::add_contacts(std::uint32_t pair, double nearest, double farthest
                                        object.pose.rotation * local.normal,
                                        local.gap,
                                        pair,
-                                       pairs_[pair].object};
+                                       pairs_[pair].object,
+                                       local.turns,
+                                       object.pose.rotation * local.scene_edge,
+                                       object.pose.rotation * local.tool_edge};
     }
     return true;
 }

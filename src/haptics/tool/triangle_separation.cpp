@@ -10,6 +10,7 @@ namespace proxima {
 namespace {
 
 constexpr int max_advances = 24;
+constexpr int max_halvings = 12;
 
 double least_along(const Vec3& n, const Triangle& triangle) noexcept
 {
@@ -171,7 +172,7 @@ double free_part(std::span<NearPair*> pairs, const ToolMotion& motion, const Gap
             }
         }
         bool proven = false;
-        for (int halving = 0; halving < 6 && !proven; ++halving) {
+        for (int halving = 0; halving < max_halvings && !proven; ++halving) {
             const RigidTransform next = moved_by(motion.from, motion.twist, part + step);
             proven = std::ranges::all_of(pairs, [&](const NearPair* pair) {
                 return keeps_gap(plane_gap(*pair, at), plane_gap(*pair, next),
