@@ -24,6 +24,8 @@ struct FeatureRow {
     std::array<std::uint32_t, 3> edges = {}; ///< edge k joins corner k and corner k + 1
     std::uint8_t owned_vertices = 0;         ///< bits of the corners that it tells of
     std::uint8_t owned_edges = 0;            ///< bits of the sides that it tells of
+
+    [[nodiscard]] bool owns_any() const noexcept { return owned_vertices != 0 || owned_edges != 0; }
 };
 
 /// Immutable. Queries are noexcept.

@@ -78,19 +78,34 @@ public:
 
     std::size_t find() noexcept
     {
-        const TriangleFilter scene_filter(on_scene_, farthest_);
-        const TriangleFilter tool_filter(on_tool_, farthest_);
+        if (tool_row_.owned_vertices != 0) find_on_scene_face();
+        if (scene_row_.owned_vertices != 0) find_on_tool_face();
+        if (tool_row_.owns_any() && scene_row_.owns_any()) find_of_edges();
+        return count_;
+    }
+
+private:
+    void find_on_scene_face() noexcept
+    {
+        const TriangleFilter filter(on_scene_, farthest_);
         for (std::size_t k = 0; k < 3; ++k) {
-            const bool is_owned = (tool_row_.owned_vertices >> k & 1) != 0;
             const Vec3& corner = on_tool_.vertices[k];
-            if (is_owned && scene_filter.may_have_foot(corner)) {
-                if (const auto foot = foot_on(on_scene_, corner)) add(*foot, corner, {});
-            }
-            if ((scene_row_.owned_vertices >> k & 1) == 0) continue;
+            if ((tool_row_.owned_vertices >> k & 1) == 0 || !filter.may_have_foot(corner)) continue;
+            if (const auto foot = foot_on(on_scene_, corner)) add(*foot, corner, {});
+        }
+    }
+    void find_on_tool_face() noexcept
+    {
+        const TriangleFilter filter(on_tool_, farthest_);
+        for (std::size_t k = 0; k < 3; ++k) {
             const Vec3& vertex = on_scene_.vertices[k];
-            if (!tool_filter.may_have_foot(vertex)) continue;
+            if ((scene_row_.owned_vertices >> k & 1) == 0 || !filter.may_have_foot(vertex))
+                continue;
             if (const auto foot = foot_on(on_tool_, vertex)) add(vertex, *foot, {.turns = true});
         }
+    }
+    void find_of_edges() noexcept
+    {
         for (std::size_t i = 0; i < 3; ++i) {
             for (std::size_t k = 0; k < 3; ++k) {
                 const bool scene_edge = (scene_row_.owned_edges >> i & 1) != 0;
@@ -103,10 +118,8 @@ public:
                 if (scene_vertex && tool_vertex) try_vertices(i, k);
             }
         }
-        return count_;
     }
 
-private:
     /// The foot of p on the triangle's plane where that is on the triangle, its border included.
     [[nodiscard]] static std::optional<Vec3> foot_on(const Triangle& triangle,
                                                      const Vec3& p) noexcept

@@ -25,6 +25,9 @@ constexpr double gain_clearances = 0.02;
 /// The part of a motion that is made at least.
 constexpr double least_part = 0.05;
 constexpr double constraint_tolerance = 1e-4; ///< clearances
+/// Solutions of a motion that make up for the arcs of its contacts, and what they need not make up for.
+constexpr int max_arc_rounds = 2;
+constexpr double arc_tolerance = 0.1; ///< clearances
 /// A contact slides that slips by more than so many clearances in a motion.
 constexpr double least_slip = 1e-3;
 /// Contacts that the solver with friction takes in a unit of work, in each of its steps.
@@ -179,6 +182,28 @@ void ToolProxy::solve_constraints(const Vec6& wanted) noexcept
     effort_.spent += friction_.steps() * (1 + contact_count_ / friction_contacts_per_work);
 }
 
+/// Contacts that move on arcs come nearer than a straight motion takes them: raises their bounds by what
+/// the gap lacks after the solution's motion. Returns false where it lacks nothing.
+bool ToolProxy::raise_bounds() noexcept
+{
+    const Twist twist = {solution_.motion.head<3>(),
+                         solution_.motion.tail<3>() / options_.turning_length};
+    const RigidTransform to = moved_by(pose_, twist, 1);
+    const Mat3 turn = to.rotation * pose_.rotation.transpose();
+    bool lacks = false;
+    for (std::size_t i = 0; i < contact_count_; ++i) {
+        const FeatureContact& contact = contacts_[i];
+        const SeenObject& object = objects_[contact.object];
+        Vec3 point = turn * (contact.tool_point - pose_.translation) + to.translation;
+        if (object.moves) point -= object.displacement(contact.scene_point);
+        const double lack = options_.clearance - contact.gap_after(turn, point);
+        if (!(lack > arc_tolerance * options_.clearance)) continue;
+        constraints_[i].bound += lack;
+        lacks = true;
+    }
+    return lacks;
+}
+
 /// The motion nearest to the wanted one that all contacts and their friction allow.
 Twist ToolProxy::solve(const Vec6& wanted) noexcept
 {
@@ -196,6 +221,13 @@ Twist ToolProxy::solve(const Vec6& wanted) noexcept
             constraints[i].bound += contact.normal.dot(object.displacement(contact.scene_point));
     }
     solve_constraints(wanted);
+    for (int round = 0; round < max_arc_rounds && solution_.solved && raise_bounds(); ++round) {
+        const ConstrainedMotion straight = solution_;
+        solve_constraints(wanted);
+        if (solution_.solved) continue;
+        solution_ = straight;
+        break;
+    }
     if (!solution_.solved) {
         // There may be no room for the whole clearance: then no contact may come nearer.
         for (MotionConstraint& each : constraints) each.bound = std::min(each.bound, 0.0);

@@ -130,6 +130,7 @@ private:
                                                   OpenPairs which) noexcept;
     [[nodiscard]] bool collect_hit(const Move& motion) noexcept;
     void solve_constraints(const Vec6& wanted) noexcept;
+    [[nodiscard]] bool raise_bounds() noexcept;
     [[nodiscard]] Twist solve(const Vec6& wanted) noexcept;
     [[nodiscard]] double proven_part() noexcept;
     [[nodiscard]] MoveEnd move(const Twist& wanted) noexcept;
@@ -151,7 +152,9 @@ private:
     std::vector<NearRows> rows_;
     std::vector<NearPair> pairs_;
     std::size_t pair_count_ = 0;
-    double travelled_ = 0;            ///< by points of the tool since it was placed, at most
+    std::size_t near_count_ = 0;  ///< pairs that were near in the last move
+    std::size_t plain_count_ = 0; ///< of a move: pairs that only a vertex of one triangle can touch
+    double travelled_ = 0;        ///< by points of the tool since it was placed, at most
     std::vector<double> apart_until_; ///< by pair: its triangles meet no sooner than that much
                                       ///< was travelled
     std::vector<NearPair*> open_;     ///< pairs that no known plane keeps apart

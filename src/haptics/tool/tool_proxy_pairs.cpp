@@ -10,7 +10,8 @@ namespace proxima {
 
 namespace {
 
-/// Lists with more pairs are followed by ones with half the margin, with fewer by ones with twice that.
+/// Lists with more pairs that are not near are followed by ones with half the margin, with fewer by ones
+/// with twice that. Pairs that are near are in every list.
 constexpr std::size_t many_pairs = 800;
 constexpr std::size_t few_pairs = 300;
 constexpr double least_margin_clearances = 2;
@@ -19,7 +20,9 @@ constexpr std::size_t list_work = 100;
 constexpr std::size_t listed_pairs_per_work = 8;
 /// Pairs whose planes are looked at in a unit of work.
 constexpr std::size_t looks_per_work = 32;
-constexpr std::size_t contacts_work = 1;   ///< of the contacts of a pair
+constexpr std::size_t contacts_work = 1; ///< of the contacts of a pair
+/// Pairs of which one triangle tells of no vertex or edge, as those inside a flat face, in a unit of work.
+constexpr std::size_t plain_pairs_per_work = 8;
 constexpr std::size_t open_pairs_work = 2; ///< of planes for eight pairs
 /// The part of a tick's work within which contacts are found. What is left is for the proof.
 constexpr double contacts_share = 0.75;
@@ -78,6 +81,11 @@ bool ToolProxy::list_pairs_once(double margin) noexcept
 bool ToolProxy::list_pairs(double margin) noexcept
 {
     const double least = least_margin_clearances * options_.clearance;
+    if (list_margin_ > 0) {
+        const std::size_t far_pairs = pair_count_ - std::min(near_count_, pair_count_);
+        if (far_pairs > many_pairs) most_margin_ = std::max(0.5 * list_margin_, least);
+        if (far_pairs < few_pairs) most_margin_ = std::max(2 * list_margin_, most_margin_);
+    }
     margin = std::min(margin, most_margin_);
     while (margin >= least) {
         if (!list_pairs_once(margin)) {
@@ -85,8 +93,6 @@ bool ToolProxy::list_pairs(double margin) noexcept
             most_margin_ = std::max(margin, least);
             continue;
         }
-        if (pair_count_ > many_pairs) most_margin_ = std::max(0.5 * margin, least);
-        if (pair_count_ < few_pairs) most_margin_ = std::max(2 * margin, most_margin_);
         return true;
     }
     return false;
@@ -109,8 +115,12 @@ double ToolProxy::room() const noexcept
 /// what is left of the tick's work is for the proof.
 bool ToolProxy::add_contacts(std::uint32_t pair, double nearest, double farthest) noexcept
 {
-    if (!effort_.begin(contacts_work, contacts_share)) return false;
     const SeenObject& object = objects_[pairs_[pair].object];
+    const bool is_plain = !object.body.features.row(pairs_[pair].scene_row).owns_any() ||
+                          !tool_.features.row(pairs_[pair].tool_row).owns_any();
+    if ((!is_plain || plain_count_++ % plain_pairs_per_work == 0) &&
+        !effort_.begin(contacts_work, contacts_share))
+        return false;
     const std::span<FeatureContact> free = std::span(contacts_).subspan(contact_count_);
     const std::size_t found = find_contacts(pairs_[pair], {&object.body.features, {}},
                                             {&tool_.features, object.relative}, farthest, free);
@@ -134,6 +144,8 @@ bool ToolProxy::add_contacts(std::uint32_t pair, double nearest, double farthest
 void ToolProxy::collect_near() noexcept
 {
     contact_count_ = 0;
+    near_count_ = 0;
+    plain_count_ = 0;
     const double near = near_clearances * options_.clearance;
     effort_.spent += pair_count_ / looks_per_work;
     bool has_room = true;
@@ -149,6 +161,7 @@ void ToolProxy::collect_near() noexcept
         const double gap = plane_gap(pair, tool);
         apart_until_[i] = travelled_ + gap;
         if (gap > near) continue;
+        ++near_count_;
         pair.contacts = PairContacts::near;
         has_room = has_room && add_contacts(i, 0, near);
     }

@@ -55,13 +55,12 @@ TEST(ToolRenderer, DevicesWithoutTorquesGetTheForceAlone)
     }
 }
 
-/// A face of many triangles flat on a table is a crowd: it holds, and comes off.
-TEST(ToolRenderer, ACrowdOfTrianglesLetsGo)
+/// The bottom of a box as so many squares a side.
+MeshIndex dense_face(std::uint32_t side)
 {
     std::vector<Vec3> corners;
     std::vector<std::array<std::uint32_t, 3>> triangles;
-    constexpr std::uint32_t side = 60;
-    const auto at = [](std::uint32_t i, std::uint32_t j) { return i * (side + 1) + j; };
+    const auto at = [side](std::uint32_t i, std::uint32_t j) { return i * (side + 1) + j; };
     for (std::uint32_t i = 0; i <= side; ++i)
         for (std::uint32_t j = 0; j <= side; ++j)
             corners.emplace_back(half * (2.0 * i / side - 1), half * (2.0 * j / side - 1), -half);
@@ -71,9 +70,37 @@ TEST(ToolRenderer, ACrowdOfTrianglesLetsGo)
             triangles.push_back({at(i + 1, j), at(i, j + 1), at(i + 1, j + 1)});
         }
     }
-    const MeshIndex tool = index_of(*make_triangle_mesh(corners, triangles));
+    return index_of(*make_triangle_mesh(corners, triangles));
+}
+
+/// A face of a thousand triangles flat on a table slides as one of two does, within a tick's work.
+TEST(ToolRenderer, ADenseFaceSlides)
+{
     const ToolObject table = {index_of(box_mesh({0.1, 0.1, 0.05}, {0, 0, -0.05})), {}};
-    ToolRenderer renderer = make_tool_renderer(tool, std::span(&table, 1), WorkspaceMap{},
+    for (const std::uint32_t side : {1U, 10U, 20U, 26U}) {
+        SCOPED_TRACE("squares a side: " + std::to_string(side));
+        ToolRenderer renderer = make_tool_renderer(dense_face(side), std::span(&table, 1),
+                                                   WorkspaceMap{}, strong_device(), plain_springs())
+                                    .value();
+        for (int i = 0; i <= 500; ++i)
+            (void)renderer.tick(state_at(pose_at({0, 0, 0.02 - 0.012 * i / 500})), 1e-3);
+        double most = 0;
+        for (int i = 1; i <= 400; ++i) {
+            const ToolTick& tick =
+                renderer.tick(state_at(pose_at({0.02 * i / 400, 0, 0.008})), 1e-3);
+            most = std::max(most, std::abs(tick.force.x()));
+            EXPECT_NEAR(tick.force.z(), renderer.options().force.stiffness * 0.002, 0.01);
+        }
+        // It lags by two ticks at most.
+        EXPECT_LT(most, renderer.options().force.stiffness * 1.1e-4);
+    }
+}
+
+/// A face of many triangles flat on a table is a crowd: it holds, and comes off.
+TEST(ToolRenderer, ACrowdOfTrianglesLetsGo)
+{
+    const ToolObject table = {index_of(box_mesh({0.1, 0.1, 0.05}, {0, 0, -0.05})), {}};
+    ToolRenderer renderer = make_tool_renderer(dense_face(60), std::span(&table, 1), WorkspaceMap{},
                                                strong_device(), plain_springs())
                                 .value();
     int overloaded = 0;
