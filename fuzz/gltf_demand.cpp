@@ -80,7 +80,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     } else if (is_readable) {
         expect_same(*json, JsonText::root(), truth);
     }
-    const Status demand = check_gltf_demand(source, text, budget);
+    const auto demand = check_gltf_demand(source, text, budget);
     if (!demand) {
         PROXIMA_CHECK(!demand.error().message.empty());
     } else {

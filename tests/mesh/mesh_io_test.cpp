@@ -337,6 +337,23 @@ TEST(MeshIo, WeldsThreeDsByFormat)
               (std::vector<Vec3>{Vec3(0, 0, 0), Vec3(0, 0, 1.5), Vec3(0, 1, 0), Vec3(1, 0, 0)}));
 }
 
+/// assimp takes the last vertex for one that is not there.
+TEST(MeshIo, RefusesFacesOfThreeDsWithVerticesThatAreNotThere)
+{
+    if (!reads_scenes) GTEST_SKIP() << "built without assimp";
+    const std::vector<SeedFile> seeds = seed_files();
+    const auto seed = std::ranges::find(seeds, "3ds/tetrahedron.3ds", &SeedFile::name);
+    ASSERT_NE(seed, seeds.end());
+    std::string text = seed->content;
+    const std::size_t faces = text.find("\x20\x41"); // the chunk's kind
+    ASSERT_NE(faces, std::string::npos);
+    text[faces + 8] = 9; // the first corner of face 0, behind length and number
+    const Error error = error_of(text, MeshFormat::three_ds);
+    EXPECT_EQ(error.code, ErrorCode::malformed_file);
+    EXPECT_NE(error.message.find("face 0 of object"), std::string::npos) << describe(error);
+    EXPECT_NE(error.message.find("uses vertex 9 of 4"), std::string::npos) << describe(error);
+}
+
 #ifndef PROXIMA_WITH_ASSIMP
 TEST(MeshIo, NamesTheOptionThatReadsScenes)
 {

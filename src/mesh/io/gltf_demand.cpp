@@ -2,12 +2,10 @@
 
 #include "base/memory_budget.h"
 #include "base/text.h"
-#include "mesh/io/gltf_geometry.h"
 #include "mesh/io/json_text.h"
 
 #include <algorithm>
 #include <cmath>
-#include <unordered_map>
 
 namespace proxima::detail {
 
@@ -31,11 +29,8 @@ constexpr double bytes_of_material = 20000;
 constexpr int max_node_depth = 1000;
 constexpr double longest_file = 0x1p40;
 
-// The items of "accessors", "nodes" and so on: an array in glTF 2, an object by name in glTF 1.
-struct Section {
-    std::vector<Id> items;
-    std::unordered_map<std::string_view, std::size_t> by_name;
-};
+/// The items of "accessors", "nodes" and so on.
+using Section = std::vector<Id>;
 
 class Demand {
 public:
@@ -58,26 +53,14 @@ public:
 private:
     [[nodiscard]] Section section(std::string_view key) const
     {
-        Section found;
-        const auto id = json_.member(JsonText::root(), key);
-        if (!id) return found;
-        found.items = json_.children(*id);
-        if (json_[*id].kind != JsonText::Kind::object) return found;
-        for (std::size_t i = 0; i < found.items.size(); ++i) {
-            found.by_name.emplace(json_[found.items[i]].key, i);
-        }
-        return found;
+        return list(JsonText::root(), key);
     }
 
     [[nodiscard]] std::optional<std::size_t> find(const Section& section, Id reference) const
     {
         const JsonText::Value& value = json_[reference];
-        if (value.kind == JsonText::Kind::string) {
-            const auto found = section.by_name.find(value.text);
-            if (found != section.by_name.end()) return found->second;
-        }
         if (value.kind == JsonText::Kind::number && value.number >= 0 &&
-            value.number < static_cast<double>(section.items.size())) {
+            value.number < static_cast<double>(section.size())) {
             return static_cast<std::size_t>(value.number);
         }
         return std::nullopt;
@@ -100,30 +83,30 @@ private:
     [[nodiscard]] double accessor_count(Id reference) const
     {
         const auto found = find(accessors_, reference);
-        return found ? amount(accessors_.items[*found], "count") : 0;
+        return found ? amount(accessors_[*found], "count") : 0;
     }
 
     // Everything that belongs to neither a mesh nor a node.
     [[nodiscard]] double loose_bytes() const
     {
         double all = 0;
-        for (const Id buffer : section("buffers").items) all += amount(buffer, "byteLength");
+        for (const Id buffer : section("buffers")) all += amount(buffer, "byteLength");
         for (const Section* section : {&views_, &accessors_}) {
-            for (const Id item : section->items) {
+            for (const Id item : *section) {
                 // Larger values would overflow when offsets are added.
                 for (const std::string_view key : {"byteOffset", "byteLength", "byteStride"}) {
                     if (amount(item, key) > longest_file) all = HUGE_VAL;
                 }
             }
         }
-        for (const Id accessor : accessors_.items) {
+        for (const Id accessor : accessors_) {
             // A sparse accessor is expanded to all of its zeros.
             const bool is_sparse = json_.member(accessor, "sparse").has_value();
             all += is_sparse ? amount(accessor, "count") * bytes_of_matrix : 0;
         }
-        for (const Id image : section("images").items) all += bytes_of_image + view_bytes(image);
-        all += static_cast<double>(section("materials").items.size()) * bytes_of_material;
-        for (const Id animation : section("animations").items) all += animation_bytes(animation);
+        for (const Id image : section("images")) all += bytes_of_image + view_bytes(image);
+        all += static_cast<double>(section("materials").size()) * bytes_of_material;
+        for (const Id animation : section("animations")) all += animation_bytes(animation);
         return all;
     }
 
@@ -131,16 +114,16 @@ private:
     {
         const auto reference = json_.member(image, "bufferView");
         const auto found = reference ? find(views_, *reference) : std::nullopt;
-        return found ? amount(views_.items[*found], "byteLength") : 0;
+        return found ? amount(views_[*found], "byteLength") : 0;
     }
 
     // Every channel keeps the keys of its sampler.
     [[nodiscard]] double animation_bytes(Id animation) const
     {
-        const Section samplers = {list(animation, "samplers"), {}};
+        const Section samplers = list(animation, "samplers");
         std::vector<double> key_bytes;
         double all = 0;
-        for (const Id sampler : samplers.items) {
+        for (const Id sampler : samplers) {
             double keys = 0;
             for (const std::string_view key : {"input", "output"}) {
                 const auto accessor = json_.member(sampler, key);
@@ -160,7 +143,7 @@ private:
 
     void measure_meshes()
     {
-        for (const Id mesh : meshes_.items) {
+        for (const Id mesh : meshes_) {
             const std::vector<Id> primitives = list(mesh, "primitives");
             double all = 0;
             for (const Id primitive : primitives) all += primitive_bytes(primitive);
@@ -207,16 +190,16 @@ private:
             std::vector<std::size_t> children;
             std::size_t next = 0;
         };
-        std::vector<State> states(nodes_.items.size(), State::fresh);
-        std::vector<int> heights(nodes_.items.size(), 1);
-        node_bytes_.assign(nodes_.items.size(), 0);
+        std::vector<State> states(nodes_.size(), State::fresh);
+        std::vector<int> heights(nodes_.size(), 1);
+        node_bytes_.assign(nodes_.size(), 0);
         std::vector<Visit> path;
         const auto enter = [&](std::size_t node) {
             states[node] = State::open;
-            node_bytes_[node] = own_bytes(nodes_.items[node]);
-            path.push_back({node, references(nodes_.items[node], "children", nodes_), 0});
+            node_bytes_[node] = own_bytes(nodes_[node]);
+            path.push_back({node, references(nodes_[node], "children", nodes_), 0});
         };
-        for (std::size_t start = 0; start < nodes_.items.size(); ++start) {
+        for (std::size_t start = 0; start < nodes_.size(); ++start) {
             if (states[start] == State::fresh) enter(start);
             while (!path.empty()) {
                 Visit& visit = path.back();
@@ -267,11 +250,8 @@ private:
         const auto mesh = mesh_reference ? find(meshes_, *mesh_reference) : std::nullopt;
         double all = bytes_of_node;
         if (mesh) all += primitive_counts_[*mesh] * sizeof(unsigned);
-        for (const std::size_t named : references(node, "meshes", meshes_)) {
-            all += primitive_counts_[named] * sizeof(unsigned);
-        }
         if (mesh && skin) {
-            const Id bones = skins_.items[*skin];
+            const Id bones = skins_[*skin];
             const auto matrices = json_.member(bones, "inverseBindMatrices");
             all += primitive_counts_[*mesh] *
                    (static_cast<double>(list(bones, "joints").size()) * bytes_of_bone +
@@ -284,7 +264,7 @@ private:
     [[nodiscard]] double scene_bytes() const
     {
         double most = 0;
-        for (const Id scene : section("scenes").items) {
+        for (const Id scene : section("scenes")) {
             double all = 0;
             for (const std::size_t node : references(scene, "nodes", nodes_)) {
                 all += node_bytes_[node];
@@ -308,7 +288,8 @@ private:
 
 } // namespace
 
-Status check_gltf_demand(const MeshSource& source, std::string_view json, MemoryBudget budget)
+Result<std::vector<GltfPrimitive>> check_gltf_demand(const MeshSource& source,
+                                                     std::string_view json, MemoryBudget budget)
 {
     const auto text = JsonText::parse(source, json, budget);
     if (!text) return tl::unexpected(text.error());

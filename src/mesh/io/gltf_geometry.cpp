@@ -4,7 +4,7 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
+#include <optional>
 
 namespace proxima::detail {
 
@@ -26,7 +26,11 @@ constexpr std::array<std::string_view, 10> harmless = {"KHR_draco_mesh_compressi
 
 constexpr std::array<double, 3> index_types = {5121, 5123, 5125};
 constexpr double float_type = 5126;
+constexpr double long_index_type = 5125;
 constexpr double triangle_mode = 4;
+constexpr double strip_mode = 5;
+constexpr double fan_mode = 6;
+constexpr double most_count = 0x1p40; // of an accessor, in whole numbers
 
 std::vector<Id> list(const JsonText& json, Id id, std::string_view key)
 {
@@ -39,6 +43,20 @@ public:
     GeometryCheck(const MeshSource& source, const JsonText& json)
         : source_(source), json_(json), accessors_(list(json, JsonText::root(), "accessors"))
     {}
+
+    /// assimp would read glTF 1 by a reader that ends the program where an index is out of range.
+    [[nodiscard]] Status version() const
+    {
+        const auto asset = json_.member(JsonText::root(), "asset");
+        const auto version = asset ? json_.member(*asset, "version") : std::nullopt;
+        const std::string_view text = version ? json_[*version].text : std::string_view();
+        if (text == "2" || text.starts_with("2.")) return {};
+        return fail(ErrorCode::unsupported_format,
+                    text.empty() ? std::string("it does not say which version of glTF it is of")
+                                 : concat("it is of glTF version ", text.substr(0, 20),
+                                          ", only version 2 is read: convert it"),
+                    source_.name);
+    }
 
     [[nodiscard]] Status extensions() const
     {
@@ -56,23 +74,30 @@ public:
         return {};
     }
 
-    [[nodiscard]] Status primitives() const
+    [[nodiscard]] Result<std::vector<GltfPrimitive>> primitives() const
     {
+        std::vector<GltfPrimitive> found;
         const std::vector<Id> meshes = list(json_, JsonText::root(), "meshes");
         for (std::size_t mesh = 0; mesh < meshes.size(); ++mesh) {
             for (const Id primitive : list(json_, meshes[mesh], "primitives")) {
-                if (Status status = check(primitive, mesh); !status) return status;
+                const auto checked = check(primitive, mesh);
+                if (!checked) return tl::unexpected(checked.error());
+                found.push_back(*checked);
             }
         }
-        return {};
+        std::ranges::sort(found);
+        return found;
     }
 
 private:
-    [[nodiscard]] Status check(Id primitive, std::size_t mesh) const
+    [[nodiscard]] Result<GltfPrimitive> check(Id primitive, std::size_t mesh) const
     {
         const auto refuse = [&](std::string_view what) {
             return fail(ErrorCode::malformed_file, concat(what, " of mesh ", mesh), source_.name);
         };
+        const auto extensions = json_.member(primitive, "extensions");
+        const bool is_draco =
+            extensions && json_.member(*extensions, "KHR_draco_mesh_compression").has_value();
         const auto attributes = json_.member(primitive, "attributes");
         const auto positions = attributes ? accessor(*attributes, "POSITION") : std::nullopt;
         if (positions) {
@@ -87,19 +112,34 @@ private:
             const double type = json_.number(*indices, "componentType", index_types.back());
             if (std::ranges::find(index_types, type) == index_types.end())
                 return refuse("unsigned integers are needed for the indices");
+            if (is_draco && type == long_index_type) {
+                return fail(ErrorCode::unsupported_format,
+                            concat("Draco data with 32-bit indices, which is not read, in mesh ",
+                                   mesh, ": save it without Draco compression"),
+                            source_.name);
+            }
             const auto shape = json_.member(*indices, "type");
             if (shape && json_[*shape].text != "SCALAR")
                 return refuse("single numbers are needed for the indices");
         }
         const auto corners = indices ? indices : positions;
-        const bool is_list = json_.number(primitive, "mode", triangle_mode) == triangle_mode;
-        if (is_list && corners && std::fmod(json_.number(*corners, "count", 0), 3) != 0)
+        const std::uint64_t count = corners ? count_of(*corners) : 0;
+        const double mode = json_.number(primitive, "mode", triangle_mode);
+        if (mode == triangle_mode && count % 3 != 0)
             return refuse("the last triangle is not whole: the number of corners is no multiple of "
                           "three in a primitive");
-        return {};
+        GltfPrimitive has = {positions ? count_of(*positions) : 0, 0};
+        if (mode == triangle_mode) has.triangles = count / 3;
+        if (mode == strip_mode || mode == fan_mode) has.triangles = count < 3 ? 0 : count - 2;
+        return has;
     }
 
-    /// Of glTF 2, by number; glTF 1 has names.
+    [[nodiscard]] std::uint64_t count_of(Id accessor) const
+    {
+        return static_cast<std::uint64_t>(
+            std::clamp(json_.number(accessor, "count", 0), 0.0, most_count));
+    }
+
     [[nodiscard]] std::optional<Id> accessor(Id owner, std::string_view key) const
     {
         const auto reference = json_.member(owner, key);
@@ -116,10 +156,12 @@ private:
 
 } // namespace
 
-Status check_gltf_geometry(const MeshSource& source, const JsonText& json)
+Result<std::vector<GltfPrimitive>> check_gltf_geometry(const MeshSource& source,
+                                                       const JsonText& json)
 {
     const GeometryCheck check(source, json);
-    if (Status status = check.extensions(); !status) return status;
+    if (const Status status = check.version(); !status) return tl::unexpected(status.error());
+    if (const Status status = check.extensions(); !status) return tl::unexpected(status.error());
     return check.primitives();
 }
 

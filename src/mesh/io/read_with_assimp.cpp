@@ -6,11 +6,14 @@
 #include "mesh/io/gltf_demand.h"
 #include "mesh/io/scene_files.h"
 #include "mesh/io/text_cursor.h"
+#include "mesh/io/three_ds_faces.h"
 
+#include <algorithm>
 #include <assimp/Importer.hpp>
 #include <assimp/scene.h>
 #include <exception>
 #include <memory>
+#include <span>
 #include <string_view>
 #include <utility>
 #include <vector>
@@ -42,7 +45,6 @@ std::uint32_t glb_number(std::string_view text, std::size_t position)
 // Assimp trusts the lengths of a GLB's parts and allocates that much. This checks them first.
 //
 //     "glTF" | version | length of all | then parts: length, kind, content
-//     version 1: length and kind of the JSON follow the header as a first part would
 Status check_glb_lengths(const MeshSource& source)
 {
     const std::string_view text = source.text;
@@ -59,7 +61,12 @@ Status check_glb_lengths(const MeshSource& source)
                            ": it is cut off or damaged"),
                     source.name);
     }
-    const bool has_one_part = number(4) == 1; // what follows its JSON has no header
+    if (number(4) != 2) {
+        return fail(
+            ErrorCode::unsupported_format,
+            concat("it is of GLB version ", number(4), ", only version 2 is read: convert it"),
+            source.name);
+    }
     for (std::size_t position = header_bytes; position < text.size();) {
         const std::size_t left = text.size() - position;
         if (left < part_header_bytes || number(position) > left - part_header_bytes) {
@@ -67,7 +74,6 @@ Status check_glb_lengths(const MeshSource& source)
                         "a part is longer than what is left of the file: it is damaged",
                         source.at_byte(text.data() + position));
         }
-        if (has_one_part) break;
         position += part_header_bytes + number(position);
     }
     return {};
@@ -80,14 +86,20 @@ std::string_view json_of(const MeshSource& source, MeshFormat format)
     if (format == MeshFormat::glb) {
         return source.text.substr(glb_json_begin, glb_number(source.text, 12));
     }
-    return without_byte_order_mark(source.text);
+    return source.text;
 }
 
-Status check_before_reading(const MeshSource& source, MeshFormat format, MemoryBudget budget)
+/// Tells of a glTF's primitives.
+Result<std::vector<GltfPrimitive>> check_before_reading(const MeshSource& source, MeshFormat format,
+                                                        MemoryBudget budget)
 {
-    if (format == MeshFormat::three_ds) return {};
+    if (format == MeshFormat::three_ds) {
+        if (const auto status = check_3ds_faces(source); !status)
+            return tl::unexpected(status.error());
+        return {};
+    }
     if (format == MeshFormat::glb) {
-        if (auto status = check_glb_lengths(source); !status) return status;
+        if (auto status = check_glb_lengths(source); !status) return tl::unexpected(status.error());
     }
     const std::string_view json = json_of(source, format);
     // Assimp passes what its glTF readers do not recognise to readers that are not safe.
@@ -105,6 +117,28 @@ struct Instance {
     const aiMesh* mesh = nullptr;
     Transform transform;
 };
+
+/// Refuses a scene in which a mesh has fewer triangles than any primitive with as many vertices.
+Status check_primitives(const MeshSource& source, const aiScene& scene,
+                        const std::vector<GltfPrimitive>& primitives)
+{
+    for (const aiMesh* mesh : std::span(scene.mMeshes, scene.mNumMeshes)) {
+        const std::span faces(mesh->mFaces, mesh->mNumFaces);
+        const auto triangles = static_cast<std::uint64_t>(
+            std::ranges::count_if(faces, [](const aiFace& face) { return face.mNumIndices >= 3; }));
+        // One without positions has nothing to lose.
+        if (mesh->mNumVertices == 0) continue;
+        if (std::ranges::binary_search(primitives, GltfPrimitive{mesh->mNumVertices, triangles}))
+            continue;
+        return fail(ErrorCode::malformed_file,
+                    concat("mesh ", mesh->mName.C_Str(), " has ", mesh->mNumVertices,
+                           " vertices and ", triangles,
+                           " triangles: no primitive has as many. Triangles that name vertices "
+                           "that are not there are missing, or its Draco data has others"),
+                    source.name);
+    }
+    return {};
+}
 
 class SceneReader {
 public:
@@ -241,14 +275,15 @@ const char* hint_of(MeshFormat format) noexcept
 
 } // namespace
 
-Result<TriangleMesh> read_with_assimp(const MeshSource& source, const std::filesystem::path& folder,
+Result<TriangleMesh> read_with_assimp(const MeshSource& given, const std::filesystem::path& folder,
                                       MeshFormat format, const ReadOptions& options,
                                       Vertices vertices)
 {
+    MeshSource source = given;
+    if (format == MeshFormat::gltf) source.text = without_byte_order_mark(given.text);
     ReadProgress progress(options.execution.progress, source.text);
-    if (auto status = check_before_reading(source, format, options.execution.budget); !status) {
-        return tl::unexpected(status.error());
-    }
+    const auto primitives = check_before_reading(source, format, options.execution.budget);
+    if (!primitives) return tl::unexpected(primitives.error());
     try {
         // No post-processing: assimp joins vertices and finds degenerate triangles by tolerances.
         Assimp::Importer importer;
@@ -263,10 +298,17 @@ Result<TriangleMesh> read_with_assimp(const MeshSource& source, const std::files
         if (files.error()) return tl::unexpected(*files.error());
         if (scene == nullptr || scene->mRootNode == nullptr ||
             (scene->mFlags & AI_SCENE_FLAGS_INCOMPLETE) != 0U) {
+            const std::string_view reason = importer.GetErrorString();
             return fail(ErrorCode::malformed_file,
-                        concat("this is no complete ", format_name(format),
-                               " file, assimp says: ", importer.GetErrorString()),
+                        reason.empty()
+                            ? concat("this ", format_name(format), " file has no mesh in its scene")
+                            : concat("this is no complete ", format_name(format),
+                                     " file, assimp says: ", reason),
                         source.name);
+        }
+        if (format != MeshFormat::three_ds) {
+            if (const auto status = check_primitives(source, *scene, *primitives); !status)
+                return tl::unexpected(status.error());
         }
         if (!progress.may_continue(source.text.data() + source.text.size())) {
             return cancelled("reading", source.name);
