@@ -153,9 +153,10 @@ std::string describe_empty(std::span<char* const> arguments)
         const std::string_view argument = arguments[i];
         if (argument.starts_with("--") && argument.find('=') == argument.size() - 1)
             return fmt::format("{} has an empty value", argument);
-        if (argument.empty())
+        if (argument.empty()) {
             return fmt::format("the argument after {} is empty",
                                i > 1 ? arguments[i - 1] : "proxima");
+        }
     }
     return {};
 }

@@ -186,6 +186,7 @@ double npy_number(const NpyHeader& header, const char* bytes) noexcept
     case NpyKind::unsigned_whole:
         return static_cast<double>(bits);
     case NpyKind::signed_whole: {
+        // NOLINTNEXTLINE(clang-analyzer-core.UndefinedBinaryOperatorResult): size is not 0
         const std::uint64_t sign = std::uint64_t{1} << (8 * size - 1);
         return static_cast<double>(static_cast<std::int64_t>((bits ^ sign) - sign));
     }

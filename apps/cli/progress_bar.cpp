@@ -15,7 +15,7 @@ constexpr auto first_shown_after = std::chrono::milliseconds(300);
 constexpr auto shown_every = std::chrono::milliseconds(100);
 constexpr auto line_every = std::chrono::seconds(5);
 
-void print_bar(const Progress& progress) noexcept
+void print_bar(const Progress& progress)
 {
     constexpr int width = 40;
     const double fraction = progress.fraction();
@@ -49,7 +49,7 @@ ProgressBar::~ProgressBar()
     thread_.join();
 }
 
-void ProgressBar::print_lines(const Progress& progress) noexcept
+void ProgressBar::print_lines(const Progress& progress)
 {
     std::unique_lock lock(mutex_);
     std::string_view last;
@@ -64,7 +64,7 @@ void ProgressBar::print_lines(const Progress& progress) noexcept
     }
 }
 
-void ProgressBar::show(const Progress& progress) noexcept
+void ProgressBar::show(const Progress& progress)
 {
     std::unique_lock lock(mutex_);
     if (ending_.wait_for(lock, first_shown_after, [this] { return ended_; })) return;

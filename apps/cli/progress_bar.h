@@ -27,8 +27,8 @@ public:
 
 private:
     /// On a terminal; cleared at the end.
-    void show(const Progress& progress) noexcept;
-    void print_lines(const Progress& progress) noexcept;
+    void show(const Progress& progress);
+    void print_lines(const Progress& progress);
 
     std::mutex mutex_;
     std::condition_variable ending_;

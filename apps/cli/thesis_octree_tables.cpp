@@ -2,6 +2,7 @@
 #include "base/text.h"
 #include "cli/text_table.h"
 #include "cli/thesis_comparison.h"
+#include "cli/thesis_models.h"
 #include "cli/thesis_printed_rows.h"
 #include "cli/thesis_tables.h"
 #include "proxima/mesh_io.h"

@@ -125,9 +125,10 @@ private:
         const auto corners = indices ? indices : positions;
         const std::uint64_t count = corners ? count_of(*corners) : 0;
         const double mode = json_.number(primitive, "mode", triangle_mode);
-        if (mode == triangle_mode && count % 3 != 0)
+        if (mode == triangle_mode && count % 3 != 0) {
             return refuse("the last triangle is not whole: the number of corners is no multiple of "
                           "three in a primitive");
+        }
         GltfPrimitive has = {positions ? count_of(*positions) : 0, 0};
         if (mode == triangle_mode) has.triangles = count / 3;
         if (mode == strip_mode || mode == fan_mode) has.triangles = count < 3 ? 0 : count - 2;

@@ -16,7 +16,7 @@ struct GltfPrimitive {
     std::uint64_t vertices = 0;
     std::uint64_t triangles = 0; ///< of lists, strips and fans; none of points and lines
 
-    auto operator<=>(const GltfPrimitive&) const = default;
+    friend auto operator<=>(const GltfPrimitive&, const GltfPrimitive&) = default;
 };
 
 /// Refuses versions of glTF but 2, a required extension that changes geometry and is not read, positions that are no float
