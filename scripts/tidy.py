@@ -8,13 +8,14 @@ that includes them all, or half of them where they cannot be joined. The static 
 so it is run on each alone; not on tests, for in the macros of GoogleTest it spends a minute each.
 
 What a source is, is its text with all that it includes, its command, and the rules. Each that passed leaves
-an empty file of that hash in BUILD/tidied. A source that BUILD does not compile is checked as its neighbour
+an empty file of that hash in BUILD/tidied, one for the analyzer and one for all other rules. A source that BUILD does not compile is checked as its neighbour
 in the compile commands would be. Exit status 1 if any source has findings.
 """
 import concurrent.futures
 import hashlib
 import json
 import os
+import re
 import shlex
 import subprocess
 import sys
@@ -57,13 +58,13 @@ def command_of(source, commands):
     return commands[neighbour]
 
 
-def stamp_of(kind, source, command, folder, rules):
-    """The name of what says that a source passed; none where it does not compile."""
+def stamp_of(source, command, folder, rules):
+    """The name of what says that a source passed; a name that no file has where it does not compile."""
     # With comments, for they can silence a rule; without the checkout's place, for copies of it pass alike.
     text = subprocess.run([*command, "-E", "-CC", "-P", source], cwd=folder, capture_output=True)
     if text.returncode != 0:
-        return None
-    said = " ".join([kind, *command, str(source)]).replace(str(ROOT), ".")
+        return "does not compile"
+    said = " ".join([*command, str(source)]).replace(str(ROOT), ".")
     return hashlib.sha256(rules + said.encode() + text.stdout).hexdigest()
 
 
@@ -94,6 +95,12 @@ def joined_findings(sources, command, folder, place):
     middle = len(sources) // 2
     halves = [joined_findings(half, command, folder, place) for half in (sources[:middle], sources[middle:])]
     return "\n".join(one for one in halves if one is not None) or None
+
+
+def guilty_of(sources, found):
+    """Which sources findings are about: all where one is in a header, which any of them may include."""
+    places = {Path(place) for place in re.findall(r"^(/.+?):\d+:\d+: (?:error|warning): ", found, re.MULTILINE)}
+    return places if places and places <= set(sources) else set(sources)
 
 
 def can_be_joined(source):
@@ -130,21 +137,28 @@ def main():
         """How many sources of the batch there are findings about."""
         wanted, command, folder = batch
         start = time.monotonic()
-        stamps = {source: stamp_of("all", source, command, folder, rules) for source in wanted}
-        new = [source for source in wanted if stamps[source] is None or not (tidied / stamps[source]).exists()]
-        found = joined_findings(new, command, folder, tidied) if new else None
-        bad = set(new if found is not None else [])
-        said = [found] if found is not None else []
-        for source in new:
-            if is_test(source):
-                continue
-            alone = findings_of(source, command, folder, f"--checks=-*,{ANALYZER}")
-            if alone is not None:
-                bad.add(source)
-                said.append(alone)
-        for source in new:
-            if source not in bad:
-                (tidied / stamps[source]).touch()
+        stamps = {source: stamp_of(source, command, folder, rules) for source in wanted}
+        bad = set()
+        said = []
+
+        def pass_or_tell(kind, those, found):
+            guilty = guilty_of(those, found) if found is not None else set()
+            bad.update(guilty)
+            if found is not None:
+                said.append(found)
+            for source in those:
+                if source not in guilty and stamps[source] != "does not compile":
+                    (tidied / f"{stamps[source]}.{kind}").touch()
+
+        def new(kind):
+            return [source for source in wanted if not (tidied / f"{stamps[source]}.{kind}").exists()]
+
+        together = new("rules")
+        if together:
+            pass_or_tell("rules", together, joined_findings(together, command, folder, tidied))
+        for source in new("analyzer"):
+            if not is_test(source):
+                pass_or_tell("analyzer", [source], findings_of(source, command, folder, f"--checks=-*,{ANALYZER}"))
         names = " ".join(str(source.relative_to(ROOT)) for source in wanted)
         print(f"{names}: {'FINDINGS' if bad else 'passed'}, {time.monotonic() - start:.0f} s", flush=True)
         for text in said:
@@ -153,7 +167,7 @@ def main():
 
     with concurrent.futures.ThreadPoolExecutor(len(os.sched_getaffinity(0))) as workers:
         bad = sum(workers.map(check, batches_of(sources, commands)))
-    print(f"tidy: {len(sources)} sources, {bad} in batches with findings")
+    print(f"tidy: {len(sources)} sources, {bad} with findings")
     return 1 if bad else 0
 
 
