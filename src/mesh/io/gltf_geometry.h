@@ -16,6 +16,7 @@ struct GltfPrimitive {
     std::uint64_t vertices = 0;
     std::uint64_t triangles = 0; ///< of lists, strips and fans; none of points and lines
 
+    // NOLINTNEXTLINE(modernize-use-nullptr): of the defaulted comparison's own text
     friend auto operator<=>(const GltfPrimitive&, const GltfPrimitive&) = default;
 };
 
