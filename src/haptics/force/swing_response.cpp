@@ -22,6 +22,11 @@ constexpr double firmness = 2;
 /// first one that is compared with legs after the answer alone.
 constexpr int hand_legs = 3;
 
+/// Where another axis moves by more than this part of the longest leg, they may exchange their energy, and
+/// the longest be kept while all of them fades: a box that rocks from edge to edge. Then more legs tell.
+constexpr double exchanging = 0.5;
+constexpr int exchanging_legs = 5;
+
 constexpr double nearly_all = 0.9; ///< of the damping that is allowed
 constexpr double least_softness = 0.2;
 constexpr double softening = 0.7;
@@ -100,8 +105,12 @@ void SwingResponse::trust_hand(std::span<WatchedMotion> motions, WatchedMotion& 
     motion.kept_legs = motion.swing.is_kept() ? motion.kept_legs + 1 : 0;
     if (!(damping_ > 0) || motion.kept_legs < hand_legs || given > 0 || motion.swing.is_fast())
         return;
+    const double longest = motion.swing.last_leg();
     for (const WatchedMotion& other : motions) {
-        if (other.swing.is_swinging() && other.swing.last_leg() > motion.swing.last_leg()) return;
+        if (&other == &motion || !other.swing.is_swinging()) continue;
+        if (other.swing.last_leg() > longest) return;
+        if (other.swing.last_leg() > exchanging * longest && motion.kept_legs < exchanging_legs)
+            return;
     }
     damping_ = 0;
     trust_ = recovery;

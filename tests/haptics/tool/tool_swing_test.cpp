@@ -16,15 +16,6 @@ namespace {
 /// m: of displacements, and of turns at the lever, where it is 1.8 degrees.
 constexpr double most_swing = 1e-3;
 
-/// What a setting may swing by. Damped springs that turn softly let a heavy hand's box rock on its edges
-/// in about one of six starts, which the guard does not see (docs/haptic_tools.md).
-double allowed(ToolStand stand, const ToolSwingSetting& setting)
-{
-    const bool rocks = stand == ToolStand::face && setting.damping > 0 &&
-                       setting.lever < turning_lever && setting.hand.mass > 0.1;
-    return rocks ? 5 * most_swing : most_swing;
-}
-
 std::string describe(ToolStand stand, const ToolSwingSetting& setting)
 {
     return std::string(tool_stand_names[static_cast<std::size_t>(stand)]) + " lever " +
@@ -88,9 +79,8 @@ TEST_P(ToolSwing, HardestSettingsEndBelowAMillimetreAndItsTurn)
                 if (mass > 0.1 && setting.hand.delay_ticks < 3) continue;
                 setting.hand.mass = mass;
                 const ToolSwingResult guarded = swing(scene, setting, mass > 0.1 ? 20 : 12);
-                const double most = allowed(stand, setting);
-                EXPECT_LT(guarded.amplitude, most) << describe(stand, setting);
-                EXPECT_LT(turning_lever * guarded.angle, most) << describe(stand, setting);
+                EXPECT_LT(guarded.amplitude, most_swing) << describe(stand, setting);
+                EXPECT_LT(turning_lever * guarded.angle, most_swing) << describe(stand, setting);
                 keep(on, guarded);
             }
             setting.hand.mass = 0.1;
@@ -111,6 +101,38 @@ TEST_P(ToolSwing, HardestSettingsEndBelowAMillimetreAndItsTurn)
 INSTANTIATE_TEST_SUITE_P(OfEveryDevice, ToolSwing,
                          ::testing::Values("touch", "omni", "desktop", "falcon", "omega", "delta"),
                          [](const auto& device) { return std::string(device.param); });
+
+/// A box that rocks from edge to edge exchanges energy between its axes, so that the longest leg seems to be
+/// kept by a hand: from one of six starts it rocked on for minutes.
+TEST(ToolSwings, RockingBoxesComeToRest)
+{
+    constexpr std::uint64_t seed = 7000;
+    const ToolScene scene = make_tool_scene(ToolStand::face);
+    for (const char* const name : {"falcon", "delta"}) {
+        const DeviceLimits device = *find_device(name);
+        ToolSwingSetting setting;
+        setting.device = device;
+        setting.device.max_torque = turning_lever * device.max_force;
+        setting.stiffness = device.max_stiffness;
+        setting.damping = device.max_damping;
+        setting.lever = 0.01;
+        setting.press = 0.005;
+        setting.hand.device_damping = 0.1;
+        setting.hand.hand_damping = 0;
+        setting.hand.hand_stiffness = 150;
+        setting.hand.delay_ticks = 3;
+        setting.hand.mass = 0.35;
+        double most = 0;
+        for (setting.seed = seed; setting.seed < seed + 15; ++setting.seed) {
+            const ToolSwingResult result = swing(scene, setting, 20);
+            EXPECT_LT(result.amplitude, most_swing) << describe(ToolStand::face, setting);
+            EXPECT_LT(turning_lever * result.angle, most_swing)
+                << describe(ToolStand::face, setting);
+            most = std::max(most, result.angle);
+        }
+        std::printf("%s: rocks by %.2f deg at most\n", name, most * 180 / std::numbers::pi);
+    }
+}
 
 TEST(ToolSwings, ObservingChangesNoBitAndSeesThem)
 {
