@@ -345,7 +345,7 @@ TEST(MeshIo, RefusesFacesOfThreeDsWithVerticesThatAreNotThere)
     const auto seed = std::ranges::find(seeds, "3ds/tetrahedron.3ds", &SeedFile::name);
     ASSERT_NE(seed, seeds.end());
     std::string text = seed->content;
-    const std::size_t faces = text.find("\x20\x41"); // the chunk's kind
+    const std::size_t faces = text.find(" A"); // the chunk's kind, 0x4120
     ASSERT_NE(faces, std::string::npos);
     text[faces + 8] = 9; // the first corner of face 0, behind length and number
     const Error error = error_of(text, MeshFormat::three_ds);

@@ -61,9 +61,10 @@ MeshIndex dense_face(std::uint32_t side)
     std::vector<Vec3> corners;
     std::vector<std::array<std::uint32_t, 3>> triangles;
     const auto at = [side](std::uint32_t i, std::uint32_t j) { return i * (side + 1) + j; };
-    for (std::uint32_t i = 0; i <= side; ++i)
+    for (std::uint32_t i = 0; i <= side; ++i) {
         for (std::uint32_t j = 0; j <= side; ++j)
             corners.emplace_back(half * (2.0 * i / side - 1), half * (2.0 * j / side - 1), -half);
+    }
     for (std::uint32_t i = 0; i < side; ++i) {
         for (std::uint32_t j = 0; j < side; ++j) {
             triangles.push_back({at(i, j), at(i, j + 1), at(i + 1, j)});
