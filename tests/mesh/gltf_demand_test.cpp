@@ -320,6 +320,61 @@ TEST_F(GltfDemand, RefusesTrianglesOfVerticesThatAreNotThere)
     }
 }
 
+/// Meshes that have as many triangles as their primitives are read, whatever these share and leave unused.
+TEST_F(GltfDemand, ReadsPrimitivesOfEveryKind)
+{
+    const auto scene = [](std::string_view primitives) {
+        return glb_of(json_of(
+            {.primitives = std::string(primitives),
+             .accessors = R"({"bufferView":0,"componentType":5126,"count":4,"type":"VEC3"},)"
+                          R"({"bufferView":0,"byteOffset":36,"componentType":5123,"count":3,)"
+                          R"("type":"SCALAR"})"}));
+    };
+    struct Kind {
+        std::string_view primitives;
+        std::size_t triangles;
+    };
+    // The indices are three zeros, with a vertex to spare: positions and indices overlap.
+    for (
+        const Kind& kind : {
+            Kind{R"({"attributes":{"POSITION":0},"indices":1})", 1},
+            Kind{
+                R"({"attributes":{"POSITION":0},"indices":1},{"attributes":{"POSITION":0},"mode":5})",
+                3},
+            Kind{R"({"attributes":{"POSITION":0},"mode":6})", 2},
+            Kind{
+                R"({"attributes":{"POSITION":0},"indices":1},{"attributes":{"POSITION":0},"mode":0})",
+                1},
+            Kind{
+                R"({"attributes":{"POSITION":0},"indices":1},{"attributes":{"POSITION":0},"mode":3})",
+                1},
+        }) {
+        const auto mesh = read_text(scene(kind.primitives), MeshFormat::glb);
+        ASSERT_TRUE(mesh) << kind.primitives << describe(mesh.error());
+        EXPECT_EQ(mesh->triangle_count(), kind.triangles) << kind.primitives;
+    }
+}
+
+TEST_F(GltfDemand, SkipsAByteOrderMarkAndTellsOfBytesOfTheFile)
+{
+    const std::string mark = "\xEF\xBB\xBF";
+    const auto where = [](const std::string& text) {
+        return error_of(text, MeshFormat::gltf).where;
+    };
+    EXPECT_NE(where("{\"asset\":x}").find("byte 9"), std::string::npos);
+    EXPECT_NE(where(mark + "{\"asset\":x}").find("byte 12"), std::string::npos);
+    const std::string json =
+        R"({"asset":{"version":"2.0"},"scene":0,"scenes":[{"nodes":[0]}],"nodes":[{"mesh":0}],)"
+        R"("meshes":[{"primitives":[{"attributes":{"POSITION":0}}]}],)"
+        R"("buffers":[{"byteLength":36,"uri":"data:application/octet-stream;base64,)" +
+        std::string(48, 'A') +
+        R"("}],"bufferViews":[{"buffer":0,"byteLength":36}],)"
+        R"("accessors":[{"bufferView":0,"componentType":5126,"count":3,"type":"VEC3"}]})";
+    const auto mesh = read_text(mark + json, MeshFormat::gltf);
+    ASSERT_TRUE(mesh) << describe(mesh.error());
+    EXPECT_EQ(mesh->triangle_count(), 1U);
+}
+
 TEST_F(GltfDemand, RefusesDracoDataThatAssimpDoesNotRead)
 {
     const std::string draco =

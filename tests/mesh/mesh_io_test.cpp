@@ -354,6 +354,20 @@ TEST(MeshIo, RefusesFacesOfThreeDsWithVerticesThatAreNotThere)
     EXPECT_NE(error.message.find("uses vertex 9 of 4"), std::string::npos) << describe(error);
 }
 
+/// Chunks in chunks are no reason to run out of stack.
+TEST(MeshIo, RefusesThreeDsOfNestedChunks)
+{
+    if (!reads_scenes) GTEST_SKIP() << "built without assimp";
+    constexpr std::uint32_t depth = 1'000'000;
+    std::string text;
+    for (std::uint32_t i = 0; i < depth; ++i) {
+        text += i == 0 ? "MM" : "==";
+        const std::uint32_t length = 6 * (depth - i);
+        for (unsigned byte = 0; byte < 4; ++byte) text += static_cast<char>(length >> 8 * byte);
+    }
+    EXPECT_EQ(error_of(text, MeshFormat::three_ds).code, ErrorCode::malformed_file);
+}
+
 #ifndef PROXIMA_WITH_ASSIMP
 TEST(MeshIo, NamesTheOptionThatReadsScenes)
 {

@@ -104,6 +104,7 @@ bool ToolProxy::place(const RigidTransform& pose) noexcept
     path_count_ = 0;
     last_length_ = 0;
     most_margin_ = base_margin_;
+    near_count_ = 0;
     return is_free;
 }
 
@@ -183,7 +184,8 @@ void ToolProxy::solve_constraints(const Vec6& wanted) noexcept
 }
 
 /// Contacts that move on arcs come nearer than a straight motion takes them: raises their bounds by what
-/// the gap lacks after the solution's motion. Returns false where it lacks nothing.
+/// the gap lacks after the solution's motion, an object's own turn left out. Returns false where it lacks
+/// nothing.
 bool ToolProxy::raise_bounds() noexcept
 {
     const Twist twist = {solution_.motion.head<3>(),

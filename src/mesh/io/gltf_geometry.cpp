@@ -129,7 +129,7 @@ private:
             return refuse("the last triangle is not whole: the number of corners is no multiple of "
                           "three in a primitive");
         }
-        GltfPrimitive has = {positions ? count_of(*positions) : 0, 0};
+        GltfPrimitive has = {.vertices = positions ? count_of(*positions) : 0};
         if (mode == triangle_mode) has.triangles = count / 3;
         if (mode == strip_mode || mode == fan_mode) has.triangles = count < 3 ? 0 : count - 2;
         return has;
@@ -137,8 +137,8 @@ private:
 
     [[nodiscard]] std::uint64_t count_of(Id accessor) const
     {
-        return static_cast<std::uint64_t>(
-            std::clamp(json_.number(accessor, "count", 0), 0.0, most_count));
+        const double count = json_.number(accessor, "count", 0);
+        return count >= 0 ? static_cast<std::uint64_t>(std::min(count, most_count)) : 0;
     }
 
     [[nodiscard]] std::optional<Id> accessor(Id owner, std::string_view key) const

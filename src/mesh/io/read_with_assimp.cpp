@@ -12,6 +12,7 @@
 #include <assimp/Importer.hpp>
 #include <assimp/scene.h>
 #include <exception>
+#include <iterator>
 #include <memory>
 #include <span>
 #include <string_view>
@@ -86,7 +87,7 @@ std::string_view json_of(const MeshSource& source, MeshFormat format)
     if (format == MeshFormat::glb) {
         return source.text.substr(glb_json_begin, glb_number(source.text, 12));
     }
-    return source.text;
+    return without_byte_order_mark(source.text);
 }
 
 /// Tells of a glTF's primitives.
@@ -118,7 +119,8 @@ struct Instance {
     Transform transform;
 };
 
-/// Refuses a scene in which a mesh has fewer triangles than any primitive with as many vertices.
+/// Refuses a scene in which a mesh has as many triangles as no primitive with its vertices, or more of them:
+/// assimp leaves out triangles of vertices that are not there, and may leave out vertices of no triangle.
 Status check_primitives(const MeshSource& source, const aiScene& scene,
                         const std::vector<GltfPrimitive>& primitives)
 {
@@ -128,7 +130,10 @@ Status check_primitives(const MeshSource& source, const aiScene& scene,
             std::ranges::count_if(faces, [](const aiFace& face) { return face.mNumIndices >= 3; }));
         // One without positions has nothing to lose.
         if (mesh->mNumVertices == 0) continue;
-        if (std::ranges::binary_search(primitives, GltfPrimitive{mesh->mNumVertices, triangles}))
+        const auto most =
+            std::ranges::upper_bound(primitives, triangles, {}, &GltfPrimitive::triangles);
+        if (most != primitives.begin() && std::prev(most)->triangles == triangles &&
+            std::prev(most)->vertices >= mesh->mNumVertices)
             continue;
         return fail(ErrorCode::malformed_file,
                     concat("mesh ", mesh->mName.C_Str(), " has ", mesh->mNumVertices,
@@ -275,12 +280,12 @@ const char* hint_of(MeshFormat format) noexcept
 
 } // namespace
 
-Result<TriangleMesh> read_with_assimp(const MeshSource& given, const std::filesystem::path& folder,
+Result<TriangleMesh> read_with_assimp(const MeshSource& source, const std::filesystem::path& folder,
                                       MeshFormat format, const ReadOptions& options,
                                       Vertices vertices)
 {
-    MeshSource source = given;
-    if (format == MeshFormat::gltf) source.text = without_byte_order_mark(given.text);
+    MeshSource for_assimp = source;
+    if (format == MeshFormat::gltf) for_assimp.text = json_of(source, format);
     ReadProgress progress(options.execution.progress, source.text);
     const auto primitives = check_before_reading(source, format, options.execution.budget);
     if (!primitives) return tl::unexpected(primitives.error());
@@ -290,7 +295,7 @@ Result<TriangleMesh> read_with_assimp(const MeshSource& given, const std::filesy
         // Names in the scene are relative to it: assimp is not told its folder.
         const std::string scene_name = concat("scene.", hint_of(format));
         auto owned_files =
-            std::make_unique<SceneFiles>(source, scene_name, folder, options.execution.budget);
+            std::make_unique<SceneFiles>(for_assimp, scene_name, folder, options.execution.budget);
         const SceneFiles& files = *owned_files;
         importer.SetIOHandler(owned_files.release()); // the importer deletes it
         constexpr unsigned no_steps = 0;

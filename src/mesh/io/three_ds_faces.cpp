@@ -28,63 +28,71 @@ unsigned number_at(std::string_view text, std::size_t position, std::size_t byte
     return value;
 }
 
-/// Calls `take(kind, content)` for each chunk, until it returns false or a chunk is cut off.
+/// Calls `take(kind, content)` for each chunk, until one is cut off by the end of the text. assimp reads a
+/// chunk that is longer than the one around it, so here texts end with the file.
 template <class Take>
-bool for_each_chunk(std::string_view text, Take take)
+void for_each_chunk(std::string_view text, std::size_t bytes, Take take)
 {
-    while (text.size() >= chunk_header_bytes) {
-        const std::size_t length = number_at(text, 2, 4);
-        if (length < chunk_header_bytes || length > text.size()) return true;
-        if (!take(number_at(text, 0, 2),
-                  text.substr(chunk_header_bytes, length - chunk_header_bytes)))
-            return false;
-        text.remove_prefix(length);
+    std::size_t position = 0;
+    while (position < bytes && text.size() - position >= chunk_header_bytes) {
+        const std::size_t length = number_at(text, position + 2, 4);
+        if (length < chunk_header_bytes || length > text.size() - position) return;
+        take(number_at(text, position, 2), text.substr(position + chunk_header_bytes),
+             length - chunk_header_bytes);
+        position += length;
     }
-    return true;
 }
 
 class FaceCheck {
 public:
     explicit FaceCheck(const MeshSource& source) : source_(source) {}
 
+    /// Three levels, as assimp has them: what lies deeper is not looked at.
     Status run()
     {
-        for_each_chunk(source_.text, [&](unsigned kind, std::string_view content) {
-            return kind != main_chunk || check(content);
+        using Text = std::string_view;
+        const Text file = source_.text;
+        for_each_chunk(file, file.size(), [&](unsigned kind, Text main, std::size_t bytes) {
+            if (kind != main_chunk) return;
+            for_each_chunk(main, bytes, [&](unsigned part, Text editor, std::size_t size) {
+                if (part != editor_chunk) return;
+                for_each_chunk(editor, size, [&](unsigned item, Text object, std::size_t length) {
+                    if (item == object_chunk) check_object(object, length);
+                });
+            });
         });
         return status_;
     }
 
 private:
-    /// Main and editor chunks, down to the objects.
-    bool check(std::string_view content)
+    void check_object(std::string_view text, std::size_t bytes)
     {
-        return for_each_chunk(content, [&](unsigned kind, std::string_view inner) {
-            if (kind == editor_chunk) return check(inner);
-            if (kind != object_chunk) return true;
-            const std::size_t name_end = inner.find('\0');
-            if (name_end == std::string_view::npos) return true;
-            name_ = inner.substr(0, name_end);
-            return for_each_chunk(inner.substr(name_end + 1),
-                                  [&](unsigned part, std::string_view mesh) {
-                                      return part != mesh_chunk || check_mesh(mesh);
-                                  });
+        const std::size_t name_end = text.find('\0');
+        if (name_end >= bytes) return;
+        name_ = text.substr(0, name_end);
+        for_each_chunk(text.substr(name_end + 1), bytes - name_end - 1,
+                       [&](unsigned kind, std::string_view mesh, std::size_t length) {
+                           if (kind == mesh_chunk) check_mesh(mesh, length);
+                       });
+    }
+
+    void check_mesh(std::string_view mesh, std::size_t bytes)
+    {
+        // assimp joins several lists.
+        std::size_t vertices = 0;
+        for_each_chunk(mesh, bytes, [&](unsigned kind, std::string_view list, std::size_t length) {
+            if (kind == vertices_chunk && length >= 2) vertices += number_at(list, 0, 2);
+        });
+        for_each_chunk(mesh, bytes, [&](unsigned kind, std::string_view list, std::size_t length) {
+            if (kind == faces_chunk && length >= 2) check_faces(list, vertices);
         });
     }
 
-    bool check_mesh(std::string_view mesh)
+    void check_faces(std::string_view faces, std::size_t vertices)
     {
-        unsigned vertices = 0;
-        std::string_view faces;
-        for_each_chunk(mesh, [&](unsigned kind, std::string_view content) {
-            if (kind == vertices_chunk && content.size() >= 2) vertices = number_at(content, 0, 2);
-            if (kind == faces_chunk && content.size() >= 2) faces = content;
-            return true;
-        });
-        if (faces.empty()) return true;
         const std::size_t count =
             std::min<std::size_t>(number_at(faces, 0, 2), (faces.size() - 2) / face_bytes);
-        for (std::size_t face = 0; face < count; ++face) {
+        for (std::size_t face = 0; face < count && status_; ++face) {
             for (std::size_t corner = 0; corner < 3; ++corner) {
                 const unsigned vertex = number_at(faces, 2 + face * face_bytes + 2 * corner, 2);
                 if (vertex < vertices) continue;
@@ -92,10 +100,8 @@ private:
                                concat("face ", face, " of object ", name_, " uses vertex ", vertex,
                                       " of ", vertices),
                                source_.name);
-                return false;
             }
         }
-        return true;
     }
 
     const MeshSource& source_;
