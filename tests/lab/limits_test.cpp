@@ -71,8 +71,7 @@ TEST_F(Limits, OfFiles)
         for (int i = 0; i < depth; ++i)
             text += i + 1 < depth ? concat("{\"children\":[", i + 1, "]},") : "{}";
         text += "]}";
-        return status_of(
-            detail::check_gltf_demand({"scene", text}, text, {.bytes = 100'000'000}));
+        return status_of(detail::check_gltf_demand({"scene", text}, text, {.bytes = 100'000'000}));
     };
     if (reads_scenes)
         expect_limit("depth of nodes", nodes(1000), nodes(1001), "deep in each other");
