@@ -12,7 +12,7 @@ namespace {
 
 /// Sine of the angle by which a neighbour may be on the near side of a contact, for rounding.
 constexpr double near_side = 1e-7;
-/// The same where edges cross.
+/// Sine of the angle by which a neighbour of two edges that cross may be on the near side of their contact.
 constexpr double near_side_of_crossings = 0.01;
 /// Sine of the angle below which edges count as parallel: their ends are the contacts.
 constexpr double parallel = 1e-6;

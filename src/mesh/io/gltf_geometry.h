@@ -20,9 +20,9 @@ struct GltfPrimitive {
     friend auto operator<=>(const GltfPrimitive&, const GltfPrimitive&) = default;
 };
 
-/// Refuses versions of glTF other than 2, a required extension that changes geometry and is not read, positions that are no float
-/// triples, indices that are no unsigned integers or, in Draco data, longer than 16 bits, and lists of
-/// triangles that end within one. Returns the primitives of all meshes in increasing order.
+/// Refuses versions of glTF other than 2, a required extension that changes geometry and is not read,
+/// positions that are no float triples, indices that are no unsigned integers or, in Draco data, longer
+/// than 16 bits, and lists of triangles that end within one. Returns the primitives of all meshes in increasing order.
 /// Errors: malformed_file, unsupported_format. O(json), and sorting.
 [[nodiscard]] Result<std::vector<GltfPrimitive>> check_gltf_geometry(const MeshSource& source,
                                                                      const JsonText& json);

@@ -119,8 +119,9 @@ struct Instance {
     Transform transform;
 };
 
-/// Refuses a scene in which a mesh has as many triangles as no primitive with its vertices, or more of them:
-/// assimp leaves out triangles of vertices that are not there, and may leave out vertices of no triangle.
+/// Refuses a scene with a mesh that is no primitive of the file: none has as many triangles and at least as
+/// many vertices. assimp leaves out triangles of vertices that are not there, and may leave out vertices
+/// of no triangle.
 Status check_primitives(const MeshSource& source, const aiScene& scene,
                         const std::vector<GltfPrimitive>& primitives)
 {

@@ -9,6 +9,7 @@
 
 #include <Eigen/Geometry>
 #include <cmath>
+#include <random>
 #include <utility>
 #include <vector>
 
@@ -52,6 +53,15 @@ inline RigidTransform pose_at(const Vec3& position, const Vec3& turn = Vec3::Zer
     RigidTransform pose = {Mat3::Identity(), position};
     if (angle > 0) pose.rotation = Eigen::AngleAxisd(angle, turn / angle).toRotationMatrix();
     return pose;
+}
+
+/// Three numbers from -1 to 1, drawn one after the other: compilers differ in the order of arguments.
+inline Vec3 random_vector(std::mt19937& random)
+{
+    std::uniform_real_distribution<double> unit(-1, 1);
+    const double x = unit(random);
+    const double y = unit(random);
+    return {x, y, unit(random)};
 }
 
 /// Two slopes of 45 degrees that meet along the y axis.

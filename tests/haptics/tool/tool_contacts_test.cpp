@@ -34,7 +34,8 @@ struct Placed {
     [[nodiscard]] Triangle row(std::uint32_t at) const { return index.parts().triangle(at); }
 };
 
-/// Of all pairs of triangles; `pair` numbers those by row.
+/// The contacts of all pairs of triangles. Their `pair` is the scene's row times the tool's number of rows,
+/// plus the tool's row.
 std::vector<FeatureContact> contacts_of(const Placed& scene, const Placed& tool, double farthest)
 {
     std::vector<FeatureContact> all;
@@ -97,12 +98,7 @@ TEST(ToolContacts, OfEdgesAreWhereTheDistanceIsLeast)
     for (std::uint32_t seed = 1; seed <= 400; ++seed) {
         SCOPED_TRACE("seed " + std::to_string(seed));
         std::mt19937 random(seed);
-        const auto vector = [&] {
-            std::uniform_real_distribution<double> unit(-1, 1);
-            const double x = unit(random);
-            const double y = unit(random);
-            return Vec3(x, y, unit(random));
-        };
+        const auto vector = [&] { return random_vector(random); };
         const Placed scene(meshes[seed % meshes.size()], pose_at(0.1 * vector(), vector()));
         const Placed tool(meshes[seed / 4 % meshes.size()],
                           pose_at(1.9 * vector().normalized(), 2 * vector()));
@@ -154,12 +150,7 @@ TEST(ToolContacts, KnowTheirGapAfterAMotion)
     for (std::uint32_t seed = 1; seed <= 300; ++seed) {
         SCOPED_TRACE("seed " + std::to_string(seed));
         std::mt19937 random(seed);
-        const auto vector = [&] {
-            std::uniform_real_distribution<double> unit(-1, 1);
-            const double x = unit(random);
-            const double y = unit(random);
-            return Vec3(x, y, unit(random));
-        };
+        const auto vector = [&] { return random_vector(random); };
         const Placed scene(box_mesh({1, 0.7, 0.5}), pose_at(Vec3::Zero(), vector()));
         const RigidTransform from = pose_at(1.9 * vector().normalized(), 2 * vector());
         const RigidTransform to = {pose_at(Vec3::Zero(), 0.05 * vector()).rotation * from.rotation,

@@ -141,16 +141,13 @@ TEST(ToolJams, WhereverToolsAreDraggedContactsBalanceTheSpringsInTheEnd)
     for (std::uint32_t seed = 1; seed <= 9; ++seed) {
         std::mt19937 random(seed);
         std::uniform_real_distribution<double> unit(-1, 1);
-        const auto vector = [&] {
-            const double x = unit(random);
-            const double y = unit(random);
-            return Vec3(x, y, unit(random));
-        };
+        const auto vector = [&] { return random_vector(random); };
         ToolBench bench(tools[seed % 3], {{index_of(objects[seed / 3 % 3]), {}}}, options);
         bench.start(pose_at(Vec3::Constant(0.06)));
         Mat3 rotation = Mat3::Identity();
         for (int i = 0; i < 25; ++i) {
-            const Vec3 position = (0.03 + 0.008 * unit(random)) * vector().normalized();
+            const double radius = 0.03 + 0.008 * unit(random);
+            const Vec3 position = radius * vector().normalized();
             rotation = pose_at(Vec3::Zero(), 0.6 * vector()).rotation * rotation;
             const ToolTick& tick = bench.lead({rotation, position}, 250, 300);
             const double off = imbalance(tick);
