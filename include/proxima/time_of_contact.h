@@ -58,9 +58,10 @@ inline constexpr double max_motion_turn = 65536;
 /// What a time of contact rests on.
 enum class ContactEvidence : std::uint8_t {
     intersection, ///< the meshes meet at touches_at, as meshes_intersect decides, exactly
-    /// They are nearer at free_until than roundings of their coordinates, and do not meet at the times
-    /// that were tried: the tolerance and 4, 16, 64, ... margins (below) later, up to 2^-10 of the time
-    /// or 64 margins. Contact can be neither shown nor excluded.
+    /// Whatever the tolerance, they are nearer at free_until than six margins (below), and do not meet
+    /// at the times that were tried: the tolerance and 4, 16, 64, ... margins later, up to 2^-10 of
+    /// the time or 64 margins. Contact can be neither shown nor excluded. Nor can it where a mesh is
+    /// larger than 2^1001: there free_until is 0.
     rounding,
     steps,    ///< max_steps were taken: free_until is as far as they got, 0 perhaps
     cancelled ///< the progress asked to stop: likewise

@@ -284,7 +284,10 @@ void FirstContactSearch::advance(std::uint32_t row_a, std::uint32_t row_b,
                 triangles_meet(a_.triangle(row_a), pose_at(motion_, probe)(b_.triangle(row_b)));
             if (meets || is_stuck) {
                 limit_ = frame.time;
-                enough_ = limit_ - std::max(0.5 * tolerance_, bounds_.rounding());
+                // Where a contact is shown, the answer may be half the tolerance early. Where it is
+                // not, later probes begin here, and roundings must be all that hides it.
+                const double earlier = meets ? 0.5 * tolerance_ : 0.0;
+                enough_ = limit_ - std::max(earlier, bounds_.rounding());
                 found_.free_until = std::min(found_.free_until, limit_);
                 found_.end = meets ? SearchEnd::meets : SearchEnd::rounding;
                 found_.meets_at = probe;

@@ -1,6 +1,7 @@
 #include "query/contacts/motion_bounds.h"
 
 #include "geometry/length.h"
+#include "index/binary_tree.h"
 #include "index/slabs/block_slab.h"
 
 #include <algorithm>
@@ -10,24 +11,54 @@ namespace proxima {
 
 namespace {
 
-/// Corners of a box about all triangles, in the mesh's own coordinates.
-std::array<Vec3, 8> corners_around(const IndexParts& index)
+double size_of(const Vec3& v)
+{
+    return v.cwiseAbs().maxCoeff();
+}
+
+/// Whether a test holds for the corners of all triangles. Ends at the first for which it does not.
+template <class Test>
+bool all_corners(const IndexParts& index, const Test& test)
+{
+    for (std::uint32_t row = 0; row < index.triangle_count(); ++row)
+        if (!std::ranges::all_of(index.triangle(row).vertices, test)) return false;
+    return true;
+}
+
+/// Whether all triangles are one point. The unit of such an index's blocks says nothing.
+bool is_point(const IndexParts& index)
+{
+    const Vec3 first = index.triangle(0)[0];
+    return all_corners(index, [&](const Vec3& p) { return p == first; });
+}
+
+/// Whether the root's box holds the mesh, which may be too large for the index's frame.
+bool is_in_root(const IndexParts& index)
+{
+    if (index.scale() > least_index_scale) return true;
+    return all_corners(
+        index, [&](const Vec3& p) { return size_of((p - index.center()) * index.scale()) <= 1; });
+}
+
+/// What a unit of an index's blocks is in the mesh's own coordinates.
+double block_unit(const IndexParts& index)
+{
+    return is_point(index) ? 0 : index.unscale();
+}
+
+/// Corners of a box about all triangles, in the mesh's own coordinates; `unit` is the blocks'.
+/// \pre is_in_root(index)
+std::array<Vec3, 8> corners_around(const IndexParts& index, double unit)
 {
     const RootBox& box = index.root_box();
     std::array<Vec3, 8> corners;
     for (std::size_t i = 0; i < corners.size(); ++i) {
         for (std::size_t axis = 0; axis < 3; ++axis) {
             const double at = (i >> axis & 1U) != 0 ? box.upper[axis] : box.lower[axis];
-            corners[i][static_cast<int>(axis)] =
-                index.center()[static_cast<int>(axis)] + at * index.unscale();
+            corners[i][static_cast<int>(axis)] = index.center()[static_cast<int>(axis)] + at * unit;
         }
     }
     return corners;
-}
-
-double size_of(const Vec3& v)
-{
-    return v.cwiseAbs().maxCoeff();
 }
 
 double largest_coordinate(const std::array<Vec3, 8>& corners)
@@ -73,20 +104,24 @@ MotionBounds::MotionBounds(const IndexParts& a, const IndexParts& b,
       axis_(motion.turn.stableNormalized())
 {
     const Vec3 start = motion.start(motion.center);
-    const auto corners_a = corners_around(a);
-    const auto corners_b = corners_around(b);
+    const double block_unit_a = block_unit(a);
+    const double block_unit_b = block_unit(b);
+    const auto corners_a = corners_around(a, block_unit_a);
+    const auto corners_b = corners_around(b, block_unit_b);
     const double coordinates = size_of(start) + size_of(motion.displacement) +
                                size_of(motion.center) + largest_coordinate(corners_a) +
                                largest_coordinate(corners_b);
     constexpr int most = 1000; // so that 1 / unit is a double, too
     const int exponent = coordinates > 0 ? std::ilogb(coordinates) : 0;
     unit_ = std::ldexp(1.0, std::clamp(-exponent, -most, most));
-    unit_a_ = a.unscale() * unit_;
-    unit_b_ = b.unscale() * unit_;
+    constexpr double no_size = 0x1p-200; // far below the margin; half extents keep their signs
+    unit_a_ = std::max(no_size, block_unit_a * unit_);
+    unit_b_ = std::max(no_size, block_unit_b * unit_);
     center_a_ = a.center() * unit_;
     center_b_ = b.center() * unit_;
     constexpr double root_of_three = 1.7320508075688774; // largest component to length
     margin_ = 0x1p-45 * (1 + angle_ / 4) * root_of_three * (coordinates * unit_);
+    if (!is_in_root(a) || !is_in_root(b)) margin_ = never; // boxes prove nothing
     displacement_ = motion.displacement * unit_;
     double turning = 0;
     for (const Vec3& corner : corners_b) {
@@ -99,7 +134,8 @@ MotionBounds::MotionBounds(const IndexParts& a, const IndexParts& b,
     const auto diagonal = [&](const std::array<Vec3, 8>& corners) {
         return length_of((corners.back() - corners.front()) * unit_);
     };
-    size_ = std::min(diagonal(corners_a), diagonal(corners_b));
+    const auto [smaller, larger] = std::minmax({diagonal(corners_a), diagonal(corners_b)});
+    size_ = smaller > 0 ? smaller : larger;
 }
 
 MovedFrame MotionBounds::frame_at(double time) const noexcept

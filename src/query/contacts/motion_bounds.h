@@ -84,8 +84,9 @@ public:
     {
         return motion_.displacement.isZero(0) && motion_.turn.isZero(0);
     }
-    /// The diagonal of the smaller mesh's box, and the way of the fastest point over the whole motion: above
-    /// 0 but where B is at rest.
+    /// The diagonal of the smaller mesh's box, or of the other one's where that mesh is a point, and
+    /// the way of the fastest point over the whole motion: above 0 but where B is at rest, and where
+    /// both are points the diagonal is 0.
     [[nodiscard]] double size() const noexcept { return size_; }
     [[nodiscard]] double fastest() const noexcept { return fastest_; }
     /// The time in which the fastest point moves as far as roundings let nothing be said.
@@ -100,7 +101,7 @@ public:
     [[nodiscard]] const Vec3& turn() const noexcept { return motion_.turn; }
     [[nodiscard]] const Vec3& axis() const noexcept { return axis_; } ///< of length 1, or 0
     [[nodiscard]] double angle() const noexcept { return angle_; }
-    /// By which a gap that is computed may be too large.
+    /// By which a gap that is computed may be too large: infinite where boxes do not hold a mesh.
     [[nodiscard]] double margin() const noexcept { return margin_; }
 
 private:

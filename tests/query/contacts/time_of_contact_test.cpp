@@ -520,6 +520,142 @@ TEST(TimeOfContact, TakesNoMoreStepsThanAllowed)
     EXPECT_LT((cut->normal - (cut->point_b - cut->point_a).normalized()).norm(), 1e-12);
 }
 
+/// The margin of the proof, as the header of time_of_contact says it.
+double margin_of(const TriangleMesh& a, const TriangleMesh& b, const RigidMotion& motion)
+{
+    const auto size = [](const TriangleMesh& mesh) {
+        const Box box = bounding_box(mesh);
+        return box.lower.cwiseAbs().cwiseMax(box.upper.cwiseAbs()).maxCoeff();
+    };
+    const double coordinates = size(a) + size(b) + motion.center.cwiseAbs().maxCoeff() +
+                               motion.start(motion.center).cwiseAbs().maxCoeff() +
+                               motion.displacement.cwiseAbs().maxCoeff();
+    return std::numbers::sqrt3 * 0x1p-45 * (1 + motion.turn.norm() / 4) * coordinates;
+}
+
+TEST(TimeOfContact, OfAPointDependsOnNoUnit)
+{
+    const TriangleMesh cube = make_cube();
+    const TriangleMesh point = mesh_of_points({Vec3(0.125, 0.1, 0.3)}).value();
+    const TriangleMesh twenty = mesh_of_points(std::vector<Vec3>(20, Vec3(0, 0, 0))).value();
+    const RigidMotion past = {.start = shifted(4, 1.5, 0), .displacement = Vec3(-8, 0, 0)};
+    const RigidMotion into = {.start = shifted(4, 0.3, 0.2),
+                              .center = Vec3(0.1, 0, 0),
+                              .displacement = Vec3(-8, 0, 0),
+                              .turn = Vec3(0, 0.3, 1)};
+    for (const auto& [a, b] :
+         {std::pair(cube, point), {point, cube}, {cube, twenty}, {twenty, cube}}) {
+        std::optional<TimeOfContact> truth;
+        for (const int exponent : {0, -20, -45, -60, -300, -900, 20, 300, 900}) {
+            const double factor = std::ldexp(1.0, exponent);
+            const auto index_of = [&](const TriangleMesh& mesh) {
+                return slabs_of(moved(mesh, [&](const Vec3& p) { return Vec3(factor * p); }));
+            };
+            const auto scaled = [&](RigidMotion motion) {
+                motion.start.translation *= factor;
+                motion.center *= factor;
+                motion.displacement *= factor;
+                return motion;
+            };
+            const MeshIndex index_a = index_of(a);
+            const MeshIndex index_b = index_of(b);
+            EXPECT_FALSE(time_of_contact(index_a, index_b, scaled(past))) << exponent;
+            const auto found = time_of_contact(index_a, index_b, scaled(into));
+            ASSERT_TRUE(found) << exponent;
+            EXPECT_LT(found->steps, 300U) << exponent;
+            if (!truth) {
+                truth = found;
+                EXPECT_LT(found->distance, 3 * margin_of(a, b, into));
+            }
+            EXPECT_EQ(found->free_until, truth->free_until) << exponent;
+            EXPECT_EQ(found->normal, truth->normal) << exponent;
+            EXPECT_EQ(found->steps, truth->steps) << exponent;
+        }
+    }
+}
+
+TEST(TimeOfContact, IsFoundWithAnyTolerance)
+{
+    const MeshIndex cube = slabs_of(make_cube());
+    const RigidMotion along = {
+        .start = {Eigen::AngleAxisd(0.12217304763960307, Vec3::UnitZ()).toRotationMatrix(),
+                  Vec3(5.3, 0.1, 0.2)},
+        .displacement = Vec3(-14.4, 0.2, -0.1)};
+    const auto passed = time_of_contact(cube, cube, along, {.tolerance = 1});
+    ASSERT_TRUE(passed);
+    EXPECT_EQ(passed->evidence, ContactEvidence::intersection);
+    EXPECT_NEAR(passed->touches_at, 0.22134859, 1e-6);
+    const TriangleMesh ship = sample_mesh("spaceship:1300").value();
+    const TriangleMesh ring = make_torus(9, 5);
+    const MeshIndex a = slabs_of(ship);
+    const MeshIndex b = slabs_of(ring);
+    MotionGenerator motions(ship, ring, 8);
+    int contacts = 0;
+    for (int i = 0; i < 60; ++i) {
+        const RigidMotion motion = motions();
+        const auto fine = time_of_contact(a, b, motion);
+        if (fine && fine->touches_at > 0) ++contacts;
+        for (const double tolerance : {1e-3, 0.03, 0.3, 1.0}) {
+            const auto found = time_of_contact(a, b, motion, {.tolerance = tolerance});
+            ASSERT_EQ(found.has_value(), fine.has_value()) << i;
+            expect_consistent(a, b, motion, found, tolerance);
+            if (!fine) continue;
+            EXPECT_EQ(found->evidence, ContactEvidence::intersection) << i << ", " << tolerance;
+            EXPECT_LE(found->free_until, fine->touches_at) << i << ", " << tolerance;
+        }
+    }
+    EXPECT_GT(contacts, 20);
+}
+
+TEST(TimeOfContact, IsUndecidedOnlyWhereRoundingsHideIt)
+{
+    // Points pass through faces between two times.
+    std::mt19937_64 random(17);
+    std::vector<Vec3> positions(40);
+    for (Vec3& p : positions) p = random_direction(random);
+    const TriangleMesh points = mesh_of_points(positions).value();
+    const TriangleMesh cube = make_cube();
+    const MeshIndex a = slabs_of(points);
+    const MeshIndex b = slabs_of(cube);
+    MotionGenerator motions(points, cube, 11);
+    int undecided = 0;
+    for (int i = 0; i < 100; ++i) {
+        const RigidMotion motion = motions();
+        for (const double tolerance : {0.0, 1e-9, 1e-3, 1.0}) {
+            const auto found = time_of_contact(a, b, motion, {.tolerance = tolerance});
+            if (!found || found->evidence != ContactEvidence::rounding) continue;
+            EXPECT_LT(found->distance, 3 * margin_of(points, cube, motion)) << tolerance;
+            ++undecided;
+        }
+    }
+    EXPECT_GT(undecided, 100);
+}
+
+TEST(TimeOfContact, OfMeshesTooLargeForAnIndexIsNotClaimed)
+{
+    for (const int exponent : {1000, 1001, 1010}) {
+        const double size = std::ldexp(1.0, exponent);
+        const MeshIndex cube =
+            slabs_of(moved(make_cube(), [&](const Vec3& p) { return Vec3(size * p); }));
+        const MeshIndex ball =
+            slabs_of(moved(make_icosphere(2), [&](const Vec3& p) { return Vec3(size / 2 * p); }));
+        const RigidMotion motion = {.start = shifted(4 * size, size / 4, size / 8),
+                                    .displacement = Vec3(-4 * size, 0, 0),
+                                    .turn = Vec3(0, 0, 1)};
+        for (const auto& [a, b] : {std::pair(&cube, &ball), {&ball, &cube}}) {
+            const auto found = time_of_contact(*a, *b, motion);
+            ASSERT_TRUE(found) << exponent;
+            if (exponent == 1000) {
+                EXPECT_EQ(found->evidence, ContactEvidence::intersection);
+                expect_free_before(*a, *b, motion, found, 50);
+            } else {
+                EXPECT_EQ(found->evidence, ContactEvidence::rounding) << exponent;
+                EXPECT_EQ(found->free_until, 0) << exponent;
+            }
+        }
+    }
+}
+
 TEST(TimeOfContact, OfAnEmptyMeshIsNone)
 {
     const MeshIndex cube = slabs_of(make_cube());
