@@ -13,7 +13,8 @@ double EnergySums::most_given_since(const EnergySums& earlier) const noexcept
     return most;
 }
 
-void EnergyAccount::add(const Vec3& position, const Vec3& spring, double seconds) noexcept
+void EnergyAccount::add(const Vec3& position, const Vec3& spring, double seconds,
+                        const Vec3& surface) noexcept
 {
     ++now_;
     const Tick& before = at(1);
@@ -21,10 +22,13 @@ void EnergyAccount::add(const Vec3& position, const Vec3& spring, double seconds
     const bool first = now_ == kept + 1;
     const double returned =
         first ? 0 : 0.5 * (before.spring + spring).dot(position - before.position);
-    tick = {position, spring, Vec3::Zero(), returned};
+    tick = {position, position - surface, spring, Vec3::Zero(), returned};
     // The ticks before the first one are at rest where it is.
     if (first) {
-        for (Tick& each : ticks_) each.position = position;
+        for (Tick& each : ticks_) {
+            each.position = position;
+            each.relative = tick.relative;
+        }
     }
     returned_ += returned - at(window).returned;
     const Vec3 step = (position - at(window).position) / static_cast<double>(window);
@@ -40,6 +44,8 @@ void EnergyAccount::add(const Vec3& position, const Vec3& spring, double seconds
     const double motion = step.squaredNorm() / seconds;
     sums_.motion += motion;
     sums_.motion_in_contact += in_contact ? motion : 0;
+    const Vec3 relative = (tick.relative - at(window).relative) / static_cast<double>(window);
+    sums_.relative_motion += relative.squaredNorm() / seconds;
 }
 
 } // namespace proxima

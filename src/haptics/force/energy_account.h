@@ -30,6 +30,7 @@ struct EnergySums {
     std::array<double, most_delay_ticks + 1> given = {}; ///< J, by ticks of delay
     double motion = 0;                                   ///< J s / kg: of v^2, by time
     double motion_in_contact = 0;                        ///< the part where a force acts
+    double relative_motion = 0;                          ///< as motion, against the surface
 
     /// The most that was given since an earlier tick, whatever the delay, J.
     [[nodiscard]] double most_given_since(const EnergySums& earlier) const noexcept;
@@ -38,8 +39,10 @@ struct EnergySums {
 /// One per device. noexcept, no allocation, O(1).
 class EnergyAccount {
 public:
-    /// A tick at a position with the spring's force there. \pre finite, seconds > 0
-    void add(const Vec3& position, const Vec3& spring, double seconds) noexcept;
+    /// A tick at a position with the spring's force there, from a surface that has moved so far.
+    /// \pre finite, seconds > 0
+    void add(const Vec3& position, const Vec3& spring, double seconds,
+             const Vec3& surface = Vec3::Zero()) noexcept;
 
     /// The force that the device gets in this tick.
     void applied(const Vec3& force) noexcept { at(0).force = force; }
@@ -51,6 +54,7 @@ public:
 private:
     struct Tick {
         Vec3 position = Vec3::Zero();
+        Vec3 relative = Vec3::Zero(); ///< to the surface
         Vec3 spring = Vec3::Zero();
         Vec3 force = Vec3::Zero();
         double returned = 0; ///< J, by the spring in the step to here

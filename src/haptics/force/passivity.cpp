@@ -26,7 +26,8 @@ Vec3 PassivityGuard::pass(const Vec3& position, const Vec3& velocity, const Cont
 {
     if (mode_ == Guard::off) return force.whole;
     response_.recover(motions(), seconds);
-    account_.add(position, response_.softness() * shortened(force.spring, max_force_), seconds);
+    account_.add(position, response_.softness() * shortened(force.spring, max_force_), seconds,
+                 force.surface);
     // Without the stick-slip pull: a steady sideways pull would turn the swing's axis whenever the
     // contact's push rises and falls.
     const SwingTick tick =

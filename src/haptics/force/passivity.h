@@ -8,6 +8,9 @@
 // delays a cycle, where it is stiff enough to make contacts of the lightest device that brief. A slew
 // limit that holds the force back makes it later still. Whatever swings more slowly is moved by a
 // hand, and is not softened.
+//
+// Positions and velocities are the device's own, in the frame of what carries it (carried_frame.h). A surface
+// that shakes drives a device that moves less than it: then nothing is answered.
 #pragma once
 
 #include "haptics/force/energy_account.h"
@@ -28,6 +31,8 @@ struct ContactForce {
     double damping = 0;         ///< N s/m, of the surface
     /// N, part of the spring: the pull of a stick point along the surface
     Vec3 aside = Vec3::Zero();
+    /// m: how far the surface has moved in the frame in which the device's positions are
+    Vec3 surface = Vec3::Zero();
 };
 
 /// One per device. noexcept, no allocation, O(1).
@@ -37,7 +42,7 @@ public:
         : mode_(mode), max_force_(limits.max_force), max_damping_(limits.max_damping)
     {}
 
-    /// The force for the next tick. \pre all finite, seconds > 0
+    /// The force for the next tick, in the frame's position and velocity. \pre all finite, seconds > 0
     [[nodiscard]] Vec3 pass(const Vec3& position, const Vec3& velocity, const ContactForce& force,
                             double seconds) noexcept;
 

@@ -315,11 +315,18 @@ ContactForce SurfaceRenderer::contact_force(const ProxyTick& proxy, const Vec3& 
     return {elastic, whole, stiffness, damping, textured_.pull};
 }
 
+/// No surface carries the device any more.
+void SurfaceRenderer::leave_ground() noexcept
+{
+    ground_ = frame_position_ = Vec3::Zero();
+    frame_.restart();
+}
+
 void SurfaceRenderer::reset() noexcept
 {
     placed_ = false;
     tick_ = {};
-    ground_ = Vec3::Zero();
+    leave_ground();
     guard_.restart();
     passivity_.reset();
     ramp_observer_.restart();
@@ -378,10 +385,15 @@ const RenderTick& SurfaceRenderer::tick(const DeviceState& state, double seconds
     write_proxy(proxy);
     const bool touching = proxy.hold != Hold::free;
     Vec3 velocity = state.velocity.allFinite() ? state.velocity : Vec3(Vec3::Zero());
+    Vec3 guarded_velocity = velocity;
     if (scene_ != nullptr) {
         tick_.surface_velocity = touching ? surface_velocity(proxy) : Vec3(Vec3::Zero());
         velocity -= tick_.surface_velocity;
-        ground_ += advanced * tick_.surface_velocity;
+        const Vec3 carried = advanced * tick_.surface_velocity;
+        ground_ += carried;
+        const Vec3 step = frame_.step(touching ? &carried : nullptr, seconds);
+        frame_position_ += step;
+        guarded_velocity -= step / seconds;
     }
     if (!probe_) feel_texture(proxy, velocity, seconds);
     tick_.spring = probe_ ? penalty_force(options_.force, proxy.depth / map_.units_per_metre,
@@ -406,10 +418,12 @@ const RenderTick& SurfaceRenderer::tick(const DeviceState& state, double seconds
         }
         ContactForce contact;
         if (touching) contact = contact_force(proxy, device, force);
-        force = passivity_.pass(relative, velocity, contact, seconds);
+        contact.surface = ground_ - frame_position_;
+        force =
+            passivity_.pass(tick_.position - frame_position_, guarded_velocity, contact, seconds);
         if (passivity_.is_away() && ground_ != Vec3::Zero()) {
             passivity_.restart();
-            ground_ = Vec3::Zero();
+            leave_ground();
         }
     }
     const Vec3 tap = tap_force(proxy, force);

@@ -11,6 +11,7 @@
 // while the new one ramps up.
 #pragma once
 
+#include "haptics/force/carried_frame.h"
 #include "haptics/force/contact_force.h"
 #include "haptics/force/passivity.h"
 #include "haptics/force/penalty_probe.h"
@@ -108,6 +109,7 @@ private:
     using ApartTest = bool (MovingSurface::*)(ObjectId id, const Vec3& p, double distance) const;
     [[nodiscard]] bool is_at_exchanged_body(ApartTest is_apart) const noexcept;
     void start_anew() noexcept;
+    void leave_ground() noexcept;
     [[nodiscard]] Vec3 surface_velocity(const ProxyTick& proxy) const noexcept;
     [[nodiscard]] double mean_stiffness(const ProxyTick& proxy) const noexcept;
     void feel_texture(const ProxyTick& proxy, const Vec3& velocity, double seconds) noexcept;
@@ -140,6 +142,8 @@ private:
     std::optional<SlideScratch> settle_scratch_; ///< of a scene
     bool is_carried_ = false;
     Vec3 ground_ = Vec3::Zero(); ///< m: displacement by the touched surface
+    CarriedFrame<3> frame_;
+    Vec3 frame_position_ = Vec3::Zero(); ///< m
     bool placed_ = false;
 };
 

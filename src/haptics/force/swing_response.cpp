@@ -27,6 +27,10 @@ constexpr int hand_legs = 3;
 constexpr double exchanging = 0.5;
 constexpr int exchanging_legs = 5;
 
+/// A surface that shakes drives a device, whose motion then is the smaller part of that against the surface.
+/// Of squares of velocities.
+constexpr double own_part = 0.5;
+
 constexpr double nearly_all = 0.9; ///< of the damping that is allowed
 constexpr double least_softness = 0.2;
 constexpr double softening = 0.7;
@@ -125,7 +129,8 @@ void SwingResponse::judge(std::span<WatchedMotion> motions, WatchedMotion& motio
     const double given = sums.most_given_since(motion.cycle_began);
     const double moved = sums.motion - motion.cycle_began.motion;
     const double in_contact = sums.motion_in_contact - motion.cycle_began.motion_in_contact;
-    motion.gives = given > least_device_damping * moved;
+    const double relative = sums.relative_motion - motion.cycle_began.relative_motion;
+    motion.gives = given > least_device_damping * moved && moved >= own_part * relative;
     // Beyond doubt, as for gives.
     if (tick.turned) trust_hand(motions, motion, given + least_device_damping * moved);
     if (tick.reported && (tick.legs >= least_legs || tick.quick) && motion.gives) {

@@ -24,6 +24,13 @@ Vec6 at_lever(const Wrench& wrench) noexcept
     return result;
 }
 
+Vec6 at_lever(const Twist& twist) noexcept
+{
+    Vec6 result;
+    result << twist.linear, turning_lever * twist.angular;
+    return result;
+}
+
 } // namespace
 
 ToolGuard::ToolGuard(const ToolRenderOptions& options, const DeviceLimits& device)
@@ -47,16 +54,22 @@ void ToolGuard::reset() noexcept
     force_ramp_.restart();
     torque_ramp_.restart();
     passivity_.reset();
+    frame_.restart();
 }
 
 /// The pull after ramp observers and passivity guard; with Guard::observe bit for bit as it came.
 Wrench ToolGuard::guarded(const ToolPull& pull, double seconds) noexcept
 {
-    Vec6 travel;
-    travel << pull.travel.linear, turning_lever * pull.travel.angular;
-    if (!gives_torque_) travel.tail<3>().setZero(); // nothing can damp it
+    const Vec6 ground = at_lever(pull.ground.value_or(Twist{}));
+    Vec6 relative = at_lever(pull.travel) - ground;
+    Vec6 travel = at_lever(pull.travel) - frame_.step(pull.ground ? &ground : nullptr, seconds);
+    if (!gives_torque_) { // nothing can damp turns
+        relative.tail<3>().setZero();
+        travel.tail<3>().setZero();
+    }
+    relative_ += relative;
     position_ += travel;
-    const Vec6 velocity = travel / seconds;
+    const Vec6 velocity = relative / seconds;
     const Vec6 spring = at_lever(pull.spring);
     Vec6 whole = at_lever(pull.whole);
     // Ramps change the energy that the springs have stored.
@@ -67,11 +80,12 @@ Wrench ToolGuard::guarded(const ToolPull& pull, double seconds) noexcept
         torque_ramp_.restart();
     } else if (mode_ == Guard::on) {
         whole.head<3>() =
-            force_ramp_.pass(position_.head<3>(), velocity.head<3>(), whole.head<3>(), seconds);
+            force_ramp_.pass(relative_.head<3>(), velocity.head<3>(), whole.head<3>(), seconds);
         whole.tail<3>() =
-            torque_ramp_.pass(position_.tail<3>(), velocity.tail<3>(), whole.tail<3>(), seconds);
+            torque_ramp_.pass(relative_.tail<3>(), velocity.tail<3>(), whole.tail<3>(), seconds);
     }
-    const Vec6 result = passivity_.pass(position_, velocity, spring, whole, seconds);
+    const Vec6 result =
+        passivity_.pass(position_, travel / seconds, position_ - relative_, spring, whole, seconds);
     return {result.head<3>(), turning_lever * result.tail<3>()};
 }
 

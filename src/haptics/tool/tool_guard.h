@@ -5,6 +5,7 @@
 //     always              ForceGuard, one for each      ramps, limit, slew limit
 #pragma once
 
+#include "haptics/force/carried_frame.h"
 #include "haptics/force/contact_force.h"
 #include "haptics/force/passivity.h"
 #include "haptics/force/ramp_observer.h"
@@ -13,6 +14,8 @@
 #include "proxima/device.h"
 #include "proxima/geometry.h"
 #include "proxima/tool_renderer.h"
+
+#include <optional>
 
 namespace proxima {
 
@@ -24,8 +27,9 @@ struct Wrench {
 
 /// A tick of the springs.
 struct ToolPull {
-    Twist travel;  ///< of the device since the tick before, relative to what is touched; m and rad
-    Wrench spring; ///< without damping
+    Twist travel;                ///< of the device since the tick before, m and rad
+    std::optional<Twist> ground; ///< of what is touched, where it can move
+    Wrench spring;               ///< without damping
     Wrench whole;
     bool jumped = false; ///< the device: the force ramps up anew
 };
@@ -57,7 +61,9 @@ private:
     RampObserver force_ramp_;
     RampObserver torque_ramp_;
     ToolPassivity passivity_;
-    Vec6 position_ = Vec6::Zero(); ///< all travel, at the lever
+    CarriedFrame<6> frame_;
+    Vec6 position_ = Vec6::Zero(); ///< all travel in the frame, at the lever
+    Vec6 relative_ = Vec6::Zero(); ///< relative to what is touched
 };
 
 /// The guards of a tool, for tests and reports. \pre the renderer was not moved from

@@ -28,6 +28,7 @@ EnergySums ToolPassivity::sums() const noexcept
         sums.given[delay] += turns.given[delay];
     sums.motion += turns.motion;
     sums.motion_in_contact += turns.motion_in_contact;
+    sums.relative_motion += turns.relative_motion;
     return sums;
 }
 
@@ -60,14 +61,14 @@ Vec6 ToolPassivity::guarded(const Vec6& spring, const Vec6& whole,
     return response_.answered(clamped(pull), velocity);
 }
 
-Vec6 ToolPassivity::pass(const Vec6& position, const Vec6& velocity, const Vec6& spring,
-                         const Vec6& whole, double seconds) noexcept
+Vec6 ToolPassivity::pass(const Vec6& position, const Vec6& velocity, const Vec6& surface,
+                         const Vec6& spring, const Vec6& whole, double seconds) noexcept
 {
     if (mode_ == Guard::off) return whole;
     response_.recover(motions_, seconds);
     const Vec6 stored = response_.softness() * clamped(spring);
-    linear_.add(position.head<3>(), stored.head<3>(), seconds);
-    angular_.add(position.tail<3>(), stored.tail<3>(), seconds);
+    linear_.add(position.head<3>(), stored.head<3>(), seconds, surface.head<3>());
+    angular_.add(position.tail<3>(), stored.tail<3>(), seconds, surface.tail<3>());
     const EnergySums now = sums();
     const bool full = spring.head<3>().norm() >= limits_.max_force;
     const bool turns_fully = spring.tail<3>().norm() >= limits_.max_turning_force;

@@ -266,7 +266,6 @@ private:
         const Vec3 turn_rate =
             has_rate ? Vec3((stretch.angular - stretch_.angular) / seconds) : Vec3(Vec3::Zero());
         stretch_ = stretch;
-        const Twist ground = options_.guard != Guard::off ? ground_travel() : Twist{};
         tick_.spring_force =
             damped_spring(options_.force.stiffness, options_.force.damping, stretch.linear, rate);
         tick_.spring_torque = damped_spring(options_.torsional_stiffness,
@@ -276,7 +275,8 @@ private:
         const Patch patch = available ? Patch::available : Patch::lost;
         // The proxy may still be on its way after a jump: the force rises from the next tick on.
         ToolPull pull;
-        pull.travel = {travel_.linear - ground.linear, travel_.angular - ground.angular};
+        pull.travel = travel_;
+        if (options_.guard != Guard::off) pull.ground = ground_travel();
         pull.jumped = tick_.fault == InputFault::jumped;
         if (!pull.jumped) {
             pull.spring.force = options_.force.stiffness * stretch.linear;
@@ -292,11 +292,12 @@ private:
         tick_.force_scale = guard_.ramp();
     }
 
-    /// How far the touched objects moved the tool in this tick, a mean by pressure.
-    [[nodiscard]] Twist ground_travel() const noexcept
+    /// How far the touched objects moved the tool in this tick, a mean by pressure; none: it touches
+    /// none that can move.
+    [[nodiscard]] std::optional<Twist> ground_travel() const noexcept
     {
         Twist sum;
-        if (view_ == nullptr) return sum;
+        if (view_ == nullptr) return std::nullopt;
         double pressures = 0;
         const Vec3& tip = tick_.proxy.translation;
         for (const HeldContact& held : proxy_.contacts()) {
@@ -306,7 +307,7 @@ private:
             sum.angular += held.pressure * twist_between(object.before, object.now).angular;
             pressures += held.pressure;
         }
-        return pressures > 0 ? sum.scaled(1 / pressures) : Twist{};
+        return pressures > 0 ? std::optional(sum.scaled(1 / pressures)) : std::nullopt;
     }
 
     SceneView view_; ///< null without a scene
