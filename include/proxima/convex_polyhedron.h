@@ -173,17 +173,19 @@ inline constexpr double max_polyhedron_coordinate = 0x1p+300;
 
 struct ConvexMeshOptions {
     /// How far a vertex may stand beyond the plane of a triangle, per diagonal of the bounding box:
-    /// coordinates of round shapes are rounded, so their faces are never quite flat.
+    /// coordinates of round shapes are rounded, so their faces are never quite flat. Exact
+    /// predicates say whether a vertex does, and how far is rounded by up to 2^-49 of the diagonal,
+    /// wherever the mesh is. With 0, none may at all.
     double tolerance = 1e-9;
     Execution execution = {};
 };
 
 /// The polyhedron that a closed convex mesh bounds: the exact hull of its vertices, once every edge
-/// has two triangles, all are connected, no vertex stands beyond a triangle's plane, and the area
-/// is that of the hull. Which way the triangles are turned does not matter. Errors: invalid_mesh
-/// (empty; NaN or infinity; an open or branching edge; several components; all vertices in one
-/// plane; not convex), saying where; limit_exceeded (coordinates beyond max_polyhedron_coordinate);
-/// cancelled. O(n log n).
+/// has two triangles, all are connected, no vertex stands beyond a triangle's plane by more than
+/// the tolerance, and the area is that of the hull. Which way the triangles are turned does not
+/// matter. Errors: invalid_mesh (empty; NaN or infinity; an open or branching edge; several
+/// components; all vertices in one plane; not convex), saying where; limit_exceeded (coordinates
+/// beyond max_polyhedron_coordinate); cancelled. O(n log n).
 [[nodiscard]] Result<ConvexPolyhedron> polyhedron_of_mesh(const TriangleMesh& mesh,
                                                           const ConvexMeshOptions& options = {});
 

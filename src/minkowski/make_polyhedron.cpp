@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -57,39 +58,50 @@ Status check_surface(const TriangleMesh& mesh, Progress* progress)
     return {};
 }
 
-/// The largest n . p over the hull's points, climbing from the last one found.
+bool is_corner(const Triangle& triangle, const Vec3& p)
+{
+    return std::ranges::find(triangle.vertices, p) != triangle.vertices.end();
+}
+
+/// The point of the hull that is highest above a triangle's plane, or lowest, exactly, climbing
+/// from the last one found.
 class Climber {
 public:
-    explicit Climber(const ConvexPolyhedron& hull) : hull_(hull) {}
+    Climber(const ConvexPolyhedron& hull, int up) : hull_(hull), up_(up) {}
 
-    double highest(const Vec3& normal)
+    const Vec3& operator()(const Triangle& triangle)
     {
-        double height = normal.dot(hull_.vertex(at_));
+        const Displacement u = {triangle[0], triangle[1]};
+        const Displacement v = {triangle[0], triangle[2]};
         for (bool higher = true; higher;) {
             higher = false;
+            const Vec3& here = hull_.vertex(at_);
+            const bool is_here = is_corner(triangle, here);
             for (const PolyhedronNeighbour& next : hull_.neighbours(at_)) {
-                const double there = normal.dot(hull_.vertex(next.vertex));
-                if (there <= height) continue;
-                height = there;
+                const Vec3& there = hull_.vertex(next.vertex);
+                if (is_here && is_corner(triangle, there)) continue; // level, without arithmetic
+                if (up_ * determinant_sign(u, v, Displacement{here, there}) <= 0) continue;
                 at_ = next.vertex;
                 higher = true;
                 break;
             }
         }
-        return height;
+        return hull_.vertex(at_);
     }
-    [[nodiscard]] const Vec3& point() const { return hull_.vertex(at_); }
 
 private:
     const ConvexPolyhedron& hull_;
+    int up_;
     std::uint32_t at_ = 0;
 };
 
-/// Checks that the whole hull lies on one side of every triangle's plane.
+/// Checks that the whole hull lies on one side of every triangle's plane. Exact predicates say
+/// whether it does. What stands beyond a plane is measured from the triangle's corner, so that
+/// roundings are those of the mesh's size, wherever it is.
 Status check_convex(const TriangleMesh& mesh, const ConvexPolyhedron& hull, double tolerance)
 {
-    Climber above(hull);
-    Climber below(hull);
+    Climber highest_above(hull, 1);
+    Climber lowest_below(hull, -1);
     double worst = tolerance;
     std::size_t worst_triangle = 0;
     Vec3 worst_point = Vec3::Zero();
@@ -97,13 +109,22 @@ Status check_convex(const TriangleMesh& mesh, const ConvexPolyhedron& hull, doub
         const Triangle triangle = mesh.triangle(TriangleId{static_cast<std::uint32_t>(t)});
         const Vec3 normal = unit_normal({triangle[0], triangle[1]}, {triangle[0], triangle[2]});
         if (normal.isZero(0)) continue; // of no area: its vertices are seen through others
-        const double offset = normal.dot(triangle[0]);
-        const double up = above.highest(normal) - offset;
-        const double down = offset + below.highest(-normal);
-        if (std::min(up, down) <= worst) continue;
-        worst = std::min(up, down);
+        const auto side_of = [&](const Vec3& p) {
+            return is_corner(triangle, p) ? 0 : orient3d(triangle[0], triangle[1], triangle[2], p);
+        };
+        const Vec3& highest = highest_above(triangle);
+        if (side_of(highest) <= 0) continue;
+        const Vec3& lowest = lowest_below(triangle);
+        if (side_of(lowest) >= 0) continue;
+        const double up = normal.dot(highest - triangle[0]);
+        const double down = normal.dot(triangle[0] - lowest);
+        // There is something on either side, though rounding may leave nothing of it.
+        constexpr double least = std::numeric_limits<double>::denorm_min();
+        const double beyond = std::max(std::min(up, down), least);
+        if (beyond <= worst) continue;
+        worst = beyond;
         worst_triangle = t;
-        worst_point = up < down ? above.point() : below.point();
+        worst_point = up < down ? highest : lowest;
     }
     if (worst <= tolerance) return {};
     return fail(ErrorCode::invalid_mesh,

@@ -2,11 +2,15 @@
 
 #include "minkowski/drawn_surface.h"
 #include "polytopes.h"
+#include "proxima/minkowski_sum.h"
 #include "proxima/sample_meshes.h"
 #include "thesis/proximity_octree/unbounded_sum.h"
 #include "thesis/proximity_octree/voronoi_region.h"
 
+#include <algorithm>
+#include <array>
 #include <gtest/gtest.h>
+#include <tuple>
 
 namespace proxima::make_polyhedron_test {
 namespace {
@@ -23,6 +27,41 @@ TriangleMesh mesh_of(Points points, std::vector<TriangleCorners> triangles)
     return make_triangle_mesh(std::move(points), std::move(triangles)).value();
 }
 
+/// The triangulated surface of a body, every corner moved by `shift`.
+TriangleMesh surface_at(const ConvexPolyhedron& body, const Vec3& shift)
+{
+    Points points(body.points().begin(), body.points().end());
+    for (Vec3& p : points) p += shift;
+    std::vector<TriangleCorners> triangles;
+    for (std::uint32_t f = 0; f < body.facet_count(); ++f) {
+        const auto loop = body.facet_loop(f);
+        for (std::size_t i = 2; i < loop.size(); ++i)
+            triangles.push_back({loop[0], loop[i - 1], loop[i]});
+    }
+    return mesh_of(std::move(points), std::move(triangles));
+}
+
+/// Bodies whose coordinates are multiples of 1/8: exact, too, under the shifts below.
+std::vector<ConvexPolyhedron> exact_bodies()
+{
+    std::mt19937 random(28);
+    std::vector<ConvexPolyhedron> bodies = {
+        test::hull_of({{0, 0, 0}, {-1, 4, 3}, {0, 3, 0}, {-1, -3, -2}}),
+        test::hull_of(test::cube_points(1))};
+    while (bodies.size() < 100) {
+        Points points =
+            bodies.size() % 2 == 0 ? test::whole_points(random, 4, 4) : test::nasty_points(random);
+        for (Vec3& p : points) p /= 8;
+        const ConvexPolyhedron body = test::hull_of(points);
+        if (body.dimension() == 3) bodies.push_back(body);
+    }
+    return bodies;
+}
+
+const std::array<Vec3, 6> exact_shifts = {
+    Vec3(0, 0, 0),           Vec3(5e5, 5.4e6, 100),      Vec3::Constant(0x1p+20),
+    Vec3::Constant(0x1p+24), Vec3(0x1p+28, -0x1p+26, 0), Vec3::Constant(0x1p+30)};
+
 TEST(PolyhedronOfMesh, AcceptsConvexSamples)
 {
     for (const char* name : {"cube", "octahedron", "icosphere:3", "sphere:50x50"}) {
@@ -32,6 +71,80 @@ TEST(PolyhedronOfMesh, AcceptsConvexSamples)
         EXPECT_EQ(polyhedron->points().size(), mesh->vertex_count());
     }
     EXPECT_EQ(polyhedron_of_mesh(make_cube())->facet_count(), 6U);
+}
+
+/// A triangle's own corners are never beyond its plane, whatever heights are rounded to.
+TEST(PolyhedronOfMesh, AcceptsExactBodiesAnywhereWithoutTolerance)
+{
+    for (const ConvexPolyhedron& body : exact_bodies()) {
+        for (const Vec3& shift : exact_shifts) {
+            SCOPED_TRACE(shift.transpose());
+            const TriangleMesh mesh = surface_at(body, shift);
+            for (const double tolerance : {1e-9, 0.0}) {
+                const auto found = polyhedron_of_mesh(mesh, {tolerance});
+                ASSERT_TRUE(found) << message_of(found);
+                ASSERT_EQ(found->points().size(), body.points().size());
+                ASSERT_EQ(found->facet_count(), body.facet_count());
+            }
+        }
+    }
+}
+
+TEST(PolyhedronOfMesh, RefusesTheLeastDentAnywhereWithoutTolerance)
+{
+    // A point within a triangle, pushed in by few of the least steps of its coordinate.
+    const TriangleMesh cube = make_cube();
+    const TriangleCorners& side = cube.triangles()[0];
+    for (const Vec3& shift : exact_shifts) {
+        SCOPED_TRACE(shift.transpose());
+        const auto dented = [&](double depth) {
+            Points points(cube.positions().begin(), cube.positions().end());
+            points.emplace_back((points[side[0]] + points[side[1]] + 2 * points[side[2]]) / 4);
+            for (Vec3& p : points) p += shift;
+            const Vec3 corner = points[side[0]];
+            for (int axis = 0; axis < 3; ++axis) {
+                if (points[side[1]][axis] != corner[axis] || points[side[2]][axis] != corner[axis])
+                    continue;
+                const double inward = corner[axis] > shift[axis] ? -depth : depth;
+                points.back()[axis] += inward;
+            }
+            std::vector<TriangleCorners> sides(cube.triangles().begin() + 1,
+                                               cube.triangles().end());
+            for (std::size_t i = 0; i < 3; ++i) sides.push_back({side[i], side[(i + 1) % 3], 8});
+            return polyhedron_of_mesh(mesh_of(points, sides), {0});
+        };
+        const double least = 0x1p-52 * std::max(1.0, 2 * shift.cwiseAbs().maxCoeff());
+        EXPECT_TRUE(dented(0)) << message_of(dented(0));
+        EXPECT_NE(message_of(dented(least)).find("not convex"), std::string::npos);
+    }
+}
+
+/// The sum with a cube is the one at the origin, moved.
+TEST(PolyhedronOfMesh, SumsAreThoseAtTheOriginMoved)
+{
+    const auto cube = test::hull_of(test::cube_points(1));
+    const auto corners_of = [](const MinkowskiSum& sum, const Vec3& shift) {
+        std::vector<std::tuple<double, double, double>> corners;
+        for (std::uint32_t v = 0; v < sum.point_count(); ++v) {
+            const Vec3 p = sum.position(v) - shift;
+            corners.emplace_back(p.x(), p.y(), p.z());
+        }
+        std::ranges::sort(corners);
+        return corners;
+    };
+    for (const ConvexPolyhedron& body : exact_bodies()) {
+        const auto here = minkowski_sum(body, cube);
+        ASSERT_TRUE(here);
+        for (const Vec3& shift : exact_shifts) {
+            SCOPED_TRACE(shift.transpose());
+            const auto moved = polyhedron_of_mesh(surface_at(body, shift));
+            ASSERT_TRUE(moved) << message_of(moved);
+            const auto there = minkowski_sum(*moved, cube);
+            ASSERT_TRUE(there);
+            ASSERT_EQ(there->facet_count(), here->facet_count());
+            ASSERT_EQ(corners_of(*there, shift), corners_of(*here, Vec3::Zero()));
+        }
+    }
 }
 
 TEST(PolyhedronOfMesh, RefusesOtherMeshesAndSaysWhere)

@@ -73,18 +73,22 @@ Status check_solid(const MeshIndex& index, const TriangleMesh& mesh, const Execu
 /// where radius is that of a ball about the point that all planes leave inside.
 double hull_error_of(const ConvexPolyhedron& hull, double excess)
 {
+    // From one of the corners, so that roundings are those of the hull's size, wherever it is.
+    std::vector<Vec3> points(hull.points().begin(), hull.points().end());
+    for (Vec3& p : points) p -= hull.points().front();
     Vec3 center = Vec3::Zero();
-    for (const Vec3& p : hull.points()) center += p / static_cast<double>(hull.points().size());
+    for (const Vec3& p : points) center += p / static_cast<double>(points.size());
     double radius = HUGE_VAL;
     for (std::uint32_t f = 0; f < hull.facet_count(); ++f) {
-        const HalfSpace plane = hull.half_space(f);
-        radius = std::min(radius, plane.offset - plane.normal.dot(center));
+        const Vec3 normal = hull.half_space(f).normal;
+        double distance = -HUGE_VAL;
+        for (const std::uint32_t corner : hull.facet_loop(f))
+            distance = std::max(distance, normal.dot(points[corner] - center));
+        radius = std::min(radius, distance);
     }
     double reach = 0;
-    double largest = 0;
-    for (const Vec3& p : hull.points()) largest = std::max(largest, length_of(p));
-    excess += 0x1p-48 * largest; // roundings of heights above planes
-    for (const Vec3& p : hull.points()) reach = std::max(reach, length_of(p - center));
+    for (const Vec3& p : points) reach = std::max(reach, length_of(p - center));
+    excess += 0x1p-48 * reach; // roundings of heights above planes
     return radius > 2 * excess ? excess / (radius - excess) * reach : HUGE_VAL;
 }
 
@@ -104,9 +108,14 @@ bool is_its_hull(const TriangleMesh& mesh, const ConvexPolyhedron& hull)
     return true;
 }
 
-/// Whether the mesh is its hull, by the smallest of a few tolerances that it passes.
+/// Whether the mesh is its hull: exactly, or by the smallest of a few tolerances that it passes.
 void find_convexity(SolidParts& parts, const TriangleMesh& mesh, const Execution& execution)
 {
+    if (is_its_hull(mesh, parts.hull)) {
+        parts.is_convex = true;
+        parts.hull_error = 0;
+        return;
+    }
     const double diagonal = length_of(bounding_box(mesh).extent());
     for (const double tolerance : {1e-9, 1e-12, 0x1p-50}) {
         const auto hull = polyhedron_of_mesh(mesh, {tolerance, execution});
@@ -115,10 +124,6 @@ void find_convexity(SolidParts& parts, const TriangleMesh& mesh, const Execution
         if (!(error < 0.1 * diagonal)) continue;
         parts.is_convex = true;
         parts.hull_error = error;
-    }
-    if (is_its_hull(mesh, parts.hull)) {
-        parts.is_convex = true;
-        parts.hull_error = 0;
     }
 }
 

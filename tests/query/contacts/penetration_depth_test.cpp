@@ -68,6 +68,66 @@ TEST(PenetrationDepth, OfCubesIsExact)
     EXPECT_EQ(apart->upper, 0);
 }
 
+/// Exact predicates prove that the mesh is its hull wherever its corners are exact.
+TEST(PenetrationDepth, OfExactBodiesIsConvexAnywhere)
+{
+    std::mt19937 random(28);
+    const auto tetrahedron = [&] {
+        for (;;) {
+            std::vector<Vec3> points;
+            for (int i = 0; i < 4; ++i) {
+                const auto x = static_cast<double>(random() % 9) / 8;
+                const auto y = static_cast<double>(random() % 9) / 8;
+                points.emplace_back(x, y, static_cast<double>(random() % 9) / 8);
+            }
+            const auto hull = convex_hull(points);
+            if (hull->dimension() == 3) return surface_of(*hull);
+        }
+    };
+    const auto at = [](const TriangleMesh& mesh, const Vec3& shift) {
+        return solid_of(moved(mesh, [&](const Vec3& p) { return Vec3(p + shift); }));
+    };
+    for (int i = 0; i < 50; ++i) {
+        const TriangleMesh mesh = i == 0 ? make_cube() : tetrahedron();
+        const RigidTransform pose = moved_by(Vec3(0, 0.0625, 0.03125));
+        const auto here = penetration_depth(solid_of(mesh), solid_of(mesh), pose);
+        ASSERT_TRUE(here);
+        for (const Vec3& shift : {Vec3(5e5, 5.4e6, 100), Vec3(0x1p+20, 0x1p+20, 0x1p+20),
+                                  Vec3(0x1p+28, -0x1p+26, 0), Vec3(0x1p+30, 0x1p+30, 0x1p+30)}) {
+            SCOPED_TRACE(shift.transpose());
+            const Solid there = at(mesh, shift);
+            ASSERT_TRUE(there.is_convex());
+            EXPECT_EQ(there.hull_error(), 0);
+            const auto found = penetration_depth(there, there, pose);
+            ASSERT_TRUE(found);
+            EXPECT_EQ(found->method, here->method);
+            EXPECT_LE(found->lower, here->upper);
+            EXPECT_GE(found->upper, here->lower);
+            // 2^-46 of the coordinates of A, B and the pose.
+            const double coordinates = std::sqrt(3.0) * 3 * (shift.cwiseAbs().maxCoeff() + 2);
+            EXPECT_LE(found->upper - found->lower, 0x1p-46 * coordinates);
+        }
+    }
+}
+
+/// What heights of corners lose by rounding is that of the mesh's size, not of its coordinates.
+TEST(PenetrationDepth, OfRoundBodiesHasTheSameHullErrorAnywhere)
+{
+    // Rounded to multiples of 2^-32, so that shifts are exact.
+    const TriangleMesh ball = moved(make_sphere(20, 20), [](const Vec3& p) {
+        return Vec3((0x1p+32 * p).array().round() * 0x1p-32);
+    });
+    const Solid here = solid_of(ball);
+    ASSERT_TRUE(here.is_convex());
+    EXPECT_GT(here.hull_error(), 0);
+    for (const double shift : {0x1p+10, 0x1p+20}) {
+        const Solid there =
+            solid_of(moved(ball, [&](const Vec3& p) { return Vec3(p.array() + shift); }));
+        ASSERT_TRUE(there.is_convex());
+        EXPECT_NEAR(there.hull_error(), here.hull_error(), 1e-6 * here.hull_error());
+    }
+}
+
 TEST(PenetrationDepth, OfABoxWithinABoxIsTheWayOut)
 {
     const Solid large = solid_of(box_mesh({Vec3(-4, -5, -6), Vec3(4, 5, 6)}));
