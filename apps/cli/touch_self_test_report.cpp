@@ -96,6 +96,7 @@ std::string breakaway_text(const AxisReport& axis, double largest_force)
 
 std::string delay_text(const MotionFit& motion)
 {
+    if (motion.is_later) return fmt::format("{} or more", motion.least_delay);
     if (!motion.found) return "-";
     if (motion.least_delay == motion.most_delay) return std::to_string(motion.delay);
     return fmt::format("{} to {}", motion.least_delay, motion.most_delay);
@@ -191,9 +192,20 @@ std::string gaps_text(const SelfTestPage& page)
     return text;
 }
 
+bool any_is_later(const SelfTestReport& report)
+{
+    return std::ranges::any_of(report.axes,
+                               [](const AxisReport& axis) { return axis.motion.is_later; });
+}
+
 std::string settings_text(const SelfTestPage& page)
 {
-    if (!page.report.settings) return "No settings: how forces move the tip is not known.\n";
+    if (!page.report.settings) {
+        return any_is_later(page.report)
+                   ? "No settings: forces act later than can be measured. Find what delays them, "
+                     "such as a network,\nor use a device whose program makes forces itself.\n"
+                   : "No settings: how forces move the tip is not known.\n";
+    }
     const SuggestedSettings& set = *page.report.settings;
     std::string text =
         fmt::format("Set --stiffness {:g} --damping {:.2g}. A wall may have at most\n",
@@ -233,7 +245,7 @@ std::string simulation_text(const SelfTestReport& report)
         damping += axis.motion.damping.value;
         friction += axis.motion.friction.value;
     }
-    if (!(found > 0)) return {};
+    if (!(found > 0) || any_is_later(report)) return {};
     return fmt::format("Such a device, simulated: --hand-mass {:.2g} --device-damping {:.2g} "
                        "--device-friction {:.2g} --encoder-step {:.2g} --delay {}\n",
                        mass / found, damping / found, friction / found, report.step, report.delay);
@@ -249,6 +261,12 @@ template <class T>
 Json optional_json(const std::optional<T>& value)
 {
     return value ? Json(*value) : Json(nullptr);
+}
+
+Json delay_range_json(const MotionFit& motion)
+{
+    if (motion.is_later) return {motion.least_delay, nullptr};
+    return motion.found ? Json{motion.least_delay, motion.most_delay} : Json(nullptr);
 }
 
 Json axis_json(const AxisReport& axis)
@@ -269,7 +287,7 @@ Json axis_json(const AxisReport& axis)
             {"friction", fitted_json(motion, motion.friction)},
             {"held_stiffness", fitted_json(motion, motion.stiffness)},
             {"delay", motion.found ? Json(motion.delay) : none},
-            {"delay_range", motion.found ? Json{motion.least_delay, motion.most_delay} : none},
+            {"delay_range", delay_range_json(motion)},
             {"residual", motion.found ? Json(motion.residual) : none}};
 }
 

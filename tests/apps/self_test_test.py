@@ -39,6 +39,19 @@ class Measuring(ProgramTest):
             settings = report["settings"]
             self.assertLessEqual(settings["stiffness"], min(700, 0.81 * settings["by_delay"], 0.81 * settings["by_encoder"]))
 
+    def test_long_delays_are_found(self):
+        for delay, extra in ((40, ()), (64, ("--device-friction", 0.1))):
+            report = self.json_of("touch", "--self-test", *HAND, "--delay", delay, *extra)
+            for axis in report["axes"].values():
+                self.assertEqual((axis["delay"], axis["delay_range"]), (delay, [delay, delay]))
+            self.assertLess(report["settings"]["stiffness"], report["settings"]["by_delay"])
+
+    def test_rounding_is_no_encoder_step_and_no_friction(self):
+        text = self.succeed("touch", "--self-test", *HAND, "--hand-stiffness", 0, "--hand-damping", 0)
+        self.assertEqual(text.count("hardly moved"), 3)
+        self.assertNotIn("e-1", text)
+        self.assertNotIn("e-12", self.succeed("touch", "--self-test", *HAND, "--device-damping", 1000))
+
     def test_what_is_suggested_does_not_oscillate(self):
         device = ("--hand-mass", 0.1, "--device-damping", 0.1, "--encoder-step", 1e-5, "--device-friction", 0.05, "--delay", 2)
         settings = self.json_of("touch", "--self-test", *HAND, *device)["settings"]

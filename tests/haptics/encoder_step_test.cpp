@@ -111,5 +111,15 @@ TEST(EncoderStep, IsUnknownWithoutMotion)
     EXPECT_EQ(estimate_encoder_step(std::vector<double>(5000, 0.1)).kind, StepKind::unknown);
 }
 
+TEST(EncoderStep, RoundingIsNoMotion)
+{
+    std::vector<double> positions;
+    for (int i = 0; i < 5000; ++i) positions.push_back(1.1e-3 + (i % 3) * 2.2e-19);
+    const EncoderStep found = estimate_encoder_step(positions);
+    EXPECT_EQ(found.kind, StepKind::unknown);
+    EXPECT_EQ(found.step, 0);
+    EXPECT_EQ(found.changes, 0U);
+}
+
 } // namespace
 } // namespace proxima::encoder_step_test

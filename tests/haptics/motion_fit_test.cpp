@@ -173,5 +173,26 @@ TEST(MotionFit, SaysNothingOfADeviceThatHardlyMoves)
     EXPECT_FALSE(PushedDevice(free_device(0.1, 0.5, 1, 2e-5, 1)).fit(0.6).found);
 }
 
+TEST(MotionFit, FindsLongDelays)
+{
+    for (const int delay : {25, 40, 64}) {
+        const HandModel model = free_device(0.3, 0.5, 0.3, 5e-5, delay);
+        SCOPED_TRACE(delay);
+        expect_numbers(PushedDevice(model).fit(0.9), model);
+    }
+}
+
+TEST(MotionFit, SaysThatADelayMayBeLongerThanItCanTell)
+{
+    for (const int delay : {80, 81, 100, 150}) {
+        const MotionFit fit = PushedDevice(free_device(0.3, 0.5, 0.3, 5e-5, delay)).fit(0.9);
+        SCOPED_TRACE(delay);
+        EXPECT_FALSE(fit.found);
+        EXPECT_TRUE(fit.is_later);
+        EXPECT_GE(fit.least_delay, 60);
+        EXPECT_LE(fit.least_delay, 80);
+    }
+}
+
 } // namespace
 } // namespace proxima::motion_fit_test

@@ -8,6 +8,8 @@
 #include <cmath>
 #include <random>
 #include <string>
+#include <utility>
+#include <vector>
 
 namespace proxima::self_test_test {
 namespace {
@@ -100,6 +102,22 @@ TEST(SelfTest, FindsTheNumbersOfRandomDevices)
     // by u^(1/3), 3/4 in the mean, of which (1/2)^(1/3) is taken off. One by one they differ by 0.2.
     ASSERT_GT(ramps, 50);
     EXPECT_NEAR(lateness / ramps, 0.75 - std::cbrt(0.5), 0.1);
+}
+
+TEST(SelfTest, SuggestsNothingWhereTheDelayMayBeLongerThanItCanTell)
+{
+    // Along z forces come 35 ticks later still.
+    std::vector<double> late(35, 0);
+    ChangedHand hand(
+        device(0.8, 0.5, 0.3, 5e-5, 50), {}, [&](std::uint64_t tick, const Vec3& force) {
+            return Vec3(force.x(), force.y(), std::exchange(late[tick % late.size()], force.z()));
+        });
+    const SelfTestSession session = run_self_test(hand);
+    EXPECT_EQ(session.report.axes[0].motion.delay, 50);
+    EXPECT_TRUE(session.report.axes[1].motion.found);
+    EXPECT_FALSE(session.report.axes[2].motion.found);
+    EXPECT_TRUE(session.report.axes[2].motion.is_later);
+    EXPECT_FALSE(session.report.settings);
 }
 
 TEST(SelfTest, CountsSamplesThatAreNotNew)

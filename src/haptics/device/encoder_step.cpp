@@ -11,6 +11,9 @@ namespace {
 
 constexpr std::size_t least_changes = 20;
 
+/// m: smaller changes of position are rounding.
+constexpr double least_change = 1e-12;
+
 /// Larger multiples say little of the step, and a wrong one changes their number.
 constexpr double largest_multiple = 20;
 
@@ -58,7 +61,7 @@ EncoderStep estimate_encoder_step(std::span<const double> positions)
     std::vector<double> changes;
     for (std::size_t i = 1; i < positions.size(); ++i) {
         const double change = std::abs(positions[i] - positions[i - 1]);
-        if (change > 0) changes.push_back(change);
+        if (change >= least_change) changes.push_back(change);
     }
     result.changes = changes.size();
     if (changes.size() < least_changes) return result;

@@ -14,7 +14,7 @@ namespace proxima {
 
 /// What the positions along an axis show.
 enum class StepKind : unsigned char {
-    unknown, ///< fewer than 20 changes
+    unknown, ///< fewer than 20 changes of 1e-12 m at least
     grid,    ///< all changes are multiples of the step
     uneven, ///< positions repeat while the tip moves, but not on a grid: the step is what nine of ten changes do not exceed
     invisible ///< every sample of a slow motion differs: no step can be seen
@@ -23,7 +23,7 @@ enum class StepKind : unsigned char {
 struct EncoderStep {
     StepKind kind = StepKind::unknown;
     double step = 0;         ///< m; 0 where unknown or invisible
-    double least_change = 0; ///< m, of all that are not 0
+    double least_change = 0; ///< m, of all that count
     std::size_t changes = 0;
 };
 

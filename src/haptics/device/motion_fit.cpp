@@ -14,6 +14,10 @@ namespace {
 /// Per mass: a = 1/m, damping, friction, stiffness, weight. Positions depend on these almost
 /// linearly.
 constexpr int parameter_count = 5;
+
+/// A friction below this, N, is rounding.
+constexpr double least_friction = 1e-6;
+
 using Parameters = Eigen::Matrix<double, parameter_count, 1>;
 using Normal = Eigen::Matrix<double, parameter_count, parameter_count>;
 
@@ -331,11 +335,16 @@ MotionFit fit_motion(std::span<const Push> pushes, const MotionFitOptions& optio
         result.least_delay = std::min(result.least_delay, static_cast<int>(delay));
         result.most_delay = std::max(result.most_delay, static_cast<int>(delay));
     }
+    if (result.most_delay == options.most_delay) {
+        result.is_later = true;
+        return result;
+    }
     const Parameters errors = fit.errors(found, result.delay, variance * count / independent);
     const double mass = 1 / found[0];
     result.mass = {mass, errors[0] * mass * mass};
     result.damping = {found[1] * mass, errors[1] * mass};
     result.friction = {found[2] * mass, errors[2] * mass};
+    if (result.friction.value < least_friction) result.friction.value = 0;
     result.stiffness = {found[3] * mass, errors[3] * mass};
     result.weight = found[4] * mass;
     result.residual = std::sqrt(sums[best] / count);

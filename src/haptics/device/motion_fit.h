@@ -52,15 +52,19 @@ struct MotionFit {
     int most_delay = 0;
     double residual = 0; ///< m, root of the mean square of measured less fitted positions
     double travel = 0;   ///< m, how far the pushes moved the device
-    bool found = false;  ///< false: the device did not move enough to say anything
+    bool found = false;  ///< false: the device did not move enough to say anything, or is_later
+    /// The positions do not exclude the longest delay that was tried: the delay is least_delay or
+    /// more, and all other numbers may be wrong.
+    bool is_later = false;
 };
 
 struct MotionFitOptions {
-    int most_delay = 24;   ///< ticks
+    int most_delay = 80;   ///< ticks: delays from 0 to this are tried
     double resolution = 0; ///< m: positions are exact to this, the encoder's step
 };
 
-/// Fits all pushes along an axis together. Milliseconds to tenths of a second; allocates.
+/// Fits all pushes along an axis together. The cost grows with the number of
+/// delays: tenths of a second for all of them. Allocates.
 [[nodiscard]] MotionFit fit_motion(std::span<const Push> pushes, const MotionFitOptions& options);
 
 } // namespace proxima

@@ -69,12 +69,14 @@ struct SuggestedSettings {
 struct SelfTestReport {
     SampleTiming timing;
     std::array<AxisReport, 3> axes;
-    bool rested = false;                       ///< the tip came to rest after the release
-    bool held = false;                         ///< something held the tip while the motors pushed
-    int delay = 0;                             ///< ticks, the largest of the axes
-    double step = 0;                           ///< m, the coarsest of the axes
-    std::optional<SuggestedSettings> settings; ///< none without a motion
-    double largest_force = 0;                  ///< N that the test allowed itself
+    bool rested = false; ///< the tip came to rest after the release
+    bool held = false;   ///< something held the tip while the motors pushed
+    int delay = 0;       ///< ticks, the largest of the axes
+    double step = 0;     ///< m, the coarsest of the axes
+    /// None without a motion, or where the delay along an axis may be longer than all that were
+    /// tried.
+    std::optional<SuggestedSettings> settings;
+    double largest_force = 0; ///< N that the test allowed itself
 };
 
 /// Computes the report. Tenths of a second. \pre the loop has ended
