@@ -11,8 +11,8 @@ namespace {
 std::atomic<Progress*> watched{nullptr};
 std::atomic<int> received{0};
 
-/// SIGHUP: the terminal is closed.
-constexpr std::array stopping = {SIGINT, SIGTERM, SIGHUP};
+/// SIGHUP: the terminal is closed. SIGQUIT: a session of touching keeps its recording then.
+constexpr std::array stopping = {SIGINT, SIGTERM, SIGHUP, SIGQUIT};
 
 extern "C" void cancel_work(int signal)
 {

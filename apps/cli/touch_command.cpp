@@ -15,6 +15,7 @@
 #include "cli/touch_self_test.h"
 #include "cli/touch_session.h"
 #include "cli/touch_tool.h"
+#include "haptics/tool/tool_recording.h"
 
 #include <CLI/CLI.hpp>
 #include <csignal>
@@ -68,7 +69,13 @@ Status run_replay(const TouchCommandOptions& options, Session& session)
 {
     const std::string path = options.device.substr(replay_prefix.size());
     const auto recording = load_recording(path, &session.progress());
-    if (!recording) return tl::unexpected(recording.error());
+    if (!recording) {
+        if (recording.error().code == ErrorCode::unsupported_format && load_tool_recording(path)) {
+            return fail(ErrorCode::invalid_argument,
+                        "is a recording of a tool: give --tool, the mesh that touched", path);
+        }
+        return tl::unexpected(recording.error());
+    }
     const auto plan = plan_scene(options.model, options.objects, *recording, path);
     if (!plan) return tl::unexpected(plan.error());
     const auto model = plan->objects.empty()
@@ -103,7 +110,7 @@ Result<std::unique_ptr<TouchModel>> load_what_is_touched(const TouchCommandOptio
         return fail(ErrorCode::invalid_argument,
                     "is for one model at rest: leave it out, or --object, --pose, --motion and "
                     "--material",
-                    "--patch");
+                    option_of_patches(options));
     }
     auto plan = plan_scene(options.model, options.objects, usual_material(options));
     if (!plan) return tl::unexpected(plan.error());

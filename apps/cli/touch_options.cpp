@@ -67,11 +67,12 @@ std::optional<Stillness> find_stillness(std::string_view name)
 Status check_penalty(const TouchCommandOptions& options)
 {
     if (options.force != "penalty") return {};
+    const char* const patches = option_of_patches(options);
     const std::array<std::pair<const char*, bool>, 6> unfit = {
         {{"--radius", options.radius > 0},
          {"--friction", options.is_given("--friction") && options.friction > 0},
          {"--shading", options.shading},
-         {"--patch", !options.patches.empty()},
+         {patches, !options.patches.empty()},
          {"--texture", !options.objects.textures.empty()},
          {"--object, --pose, --motion and --material", options.objects.any()}}};
     for (const auto& [option, is_there] : unfit) {
@@ -125,6 +126,11 @@ CLI::Validator number_from(double least, double most)
 bool TouchCommandOptions::is_given(std::string_view name) const
 {
     return std::ranges::find(given, name) != given.end();
+}
+
+const char* option_of_patches(const TouchCommandOptions& options)
+{
+    return options.is_given("--patch") ? "--patch" : "--method";
 }
 
 std::string_view guard_name(Guard guard) noexcept
@@ -226,8 +232,9 @@ Status check_options(const TouchCommandOptions& options)
     }
     if (options.is_given("--record") && !options.patches.empty()) {
         return fail(ErrorCode::invalid_argument,
-                    "is for sessions that touch the whole model: a replay cannot know which patch "
-                    "came when. Leave it or --patch out",
+                    concat("is for sessions that touch the whole model: a replay cannot know which "
+                           "patch came when. Leave it or ",
+                           option_of_patches(options), " out"),
                     "--record");
     }
     return check_penalty(options);

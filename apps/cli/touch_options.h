@@ -64,6 +64,9 @@ void add_touch_options(CLI::App& parser, TouchCommandOptions& options);
 /// "off", "observe" or "on".
 [[nodiscard]] std::string_view guard_name(Guard guard) noexcept;
 
+/// The option by which patches were asked for: --patch, or --method alone.
+[[nodiscard]] const char* option_of_patches(const TouchCommandOptions& options);
+
 [[nodiscard]] TouchSettings settings_of(const TouchCommandOptions& options);
 
 /// What a material has that says less of itself.

@@ -62,10 +62,9 @@ PatchTouch::PatchTouch(const TouchModel& model, const PatchSettings& settings,
                                     [this](std::uint64_t) noexcept {
                                         if (ending_.load()) return Flow::stop;
                                         ServoPosition position;
-                                        if (exchange_.receive_position(position)) {
-                                            make(exchange_.writing(), position);
+                                        if (exchange_.receive_position(position) &&
+                                            make(exchange_.writing(), position))
                                             exchange_.publish_patch();
-                                        }
                                         return Flow::proceed;
                                     });
     });
@@ -76,20 +75,20 @@ PatchTouch::~PatchTouch()
     (void)finish();
 }
 
-/// By the thread that makes patches.
-void PatchTouch::make(ContactPatch& patch, const ServoPosition& position) noexcept
+/// By the thread that makes patches. Returns false where there is none yet to send down.
+bool PatchTouch::make(ContactPatch& patch, const ServoPosition& position) noexcept
 {
     if (!by_thesis_) {
         rings_.fill(patch, position.device, account_.settings.rings);
     } else if (!by_thesis_->fill(patch, position.device, position.proxy, account_.settings.rings)) {
-        // Before the first feature is found there is nothing to send.
-        patch.use_copies(0, 0);
+        return false; // no feature was found until now
     }
     patch.made_at = position.tick;
     ++account_.patches;
     account_.incomplete += patch.complete ? 0U : 1U;
     account_.triangles += patch.count();
     account_.largest = std::max<std::uint64_t>(account_.largest, patch.count());
+    return true;
 }
 
 Patch PatchTouch::begin_tick() noexcept
@@ -146,11 +145,11 @@ void PatchTouch::end_tick(const RenderTick& rendered) noexcept
         if (position_.device.allFinite()) exchange_.send_position(position_);
     } else if (tick_ % ticks_per_patch_ == 0) {
         // The patch that was begun a period ago has come; the next one is begun.
-        used_ = tick_ > 0 ? &due_[making_] : nullptr;
+        used_ = made_ ? &due_[making_] : nullptr;
         making_ = 1 - making_;
-        make(due_[making_], position_);
+        made_ = make(due_[making_], position_);
     }
-    ++tick_;
+    account_.ticks = ++tick_;
 }
 
 PatchAccount PatchTouch::finish()
@@ -204,6 +203,12 @@ std::string patch_table(const std::vector<PatchAccount>& accounts)
             percent_sent(account), account.touching_ticks, account.missed_ticks,
             account.apart_ticks, account.oldest_ticks, account.lost_ticks, microseconds(0.5),
             microseconds(0.999));
+    }
+    for (const PatchAccount& account : accounts) {
+        if (account.waited_ticks < account.ticks) continue;
+        text += fmt::format("{}: no patch came in {} ticks, so nothing could be felt: no closest "
+                            "feature was found in time, or --collision-rate is too low\n",
+                            name_of(account.settings), account.waited_ticks);
     }
     return text;
 }

@@ -42,6 +42,7 @@ struct PatchSettings {
 /// What became of the patches of a session.
 struct PatchAccount {
     PatchSettings settings;
+    std::uint64_t ticks = 0;
     std::uint64_t patches = 0;
     std::uint64_t incomplete = 0; ///< whose capacity was too small for all triangles
     std::uint64_t triangles = 0;  ///< of all patches
@@ -84,7 +85,7 @@ public:
     [[nodiscard]] PatchAccount finish();
 
 private:
-    void make(ContactPatch& patch, const ServoPosition& position) noexcept;
+    [[nodiscard]] bool make(ContactPatch& patch, const ServoPosition& position) noexcept;
     void compare(const RenderTick& rendered) noexcept;
     [[nodiscard]] bool has(const Contact& contact) noexcept;
 
@@ -101,6 +102,7 @@ private:
     PatchExchange exchange_;
     std::vector<ContactPatch> due_; ///< unpaced: the one that is touched, and the next
     std::size_t making_ = 0;
+    bool made_ = false; ///< unpaced: the next one was made
     std::uint64_t ticks_per_patch_ = 10;
     const ContactPatch* used_ = nullptr;
     std::uint64_t tick_ = 0;

@@ -6,6 +6,7 @@
 #include "cli/touch_device.h"
 #include "cli/touch_options.h"
 #include "cli/touch_report.h"
+#include "haptics/loop/recording.h"
 #include "haptics/tool/rigid_motion.h"
 #include "haptics/tool/tool_guard.h"
 #include "haptics/tool/tool_recording.h"
@@ -240,7 +241,13 @@ Status replay_tool(const ToolCommandOptions& options, const std::string& touched
 {
     const std::string path = device.substr(replay_name.size());
     const auto recording = load_tool_recording(path, &session.progress());
-    if (!recording) return tl::unexpected(recording.error());
+    if (!recording) {
+        if (recording.error().code == ErrorCode::unsupported_format && load_recording(path)) {
+            return fail(ErrorCode::invalid_argument,
+                        "is a recording of a point, not of a tool: leave --tool out", path);
+        }
+        return tl::unexpected(recording.error());
+    }
     const auto model = load_touch_model(touched, false, session);
     if (!model) return tl::unexpected(model.error());
     const auto tool = load_tool(options, session);

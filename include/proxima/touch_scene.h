@@ -275,13 +275,13 @@ public:
     /// Gives an object a motion, which replaces earlier ones and begins where they took it. Wait-free.
     /// Error invalid_argument:
     /// numbers that are not finite, negative times, a pose that is not rigid, or one that reaches
-    /// out of the bounds, also where the object coasts to.
+    /// out of the bounds, also where the object coasts to; an object that was not added.
     [[nodiscard]] Status move(ObjectId object, const ObjectMotion& motion);
 
     /// Gives an object another body from the next tick on. Copies of the old body go once no tool uses
     /// it: with a later exchange or change of shape, with the tool's renderer or with the scene, never
     /// in a servo thread. The force fades and rises anew only if the proxy touched the old body or is
-    /// at the new one. Error invalid_argument: out of the bounds.
+    /// at the new one. Error invalid_argument: out of the bounds, an object that was not added.
     [[nodiscard]] Status exchange(ObjectId object, const TouchBody& body);
 
     /// Gives an object the shape of a refit of its body: within `seconds` each vertex moves evenly
@@ -290,13 +290,13 @@ public:
     /// sets `seconds` to 1/60. A shape that comes before the last one was reached is begun all the
     /// same: vertices go there from where they are within a tick. Takes effect without waiting, after
     /// O(triangles) in the caller's thread. Error invalid_argument: a body with other triangles than
-    /// the one given last, a negative time, out of the bounds.
+    /// the one given last, a negative time, out of the bounds, an object that was not added.
     [[nodiscard]] Status deform(ObjectId object, const TouchBody& body, double seconds);
 
     /// Gives an object another material than its body's, until the body is exchanged. Each number
     /// changes evenly within `seconds`, so that the force does not jump; where the body has no
     /// material, or with 0, in the next tick. Wait-free. Error invalid_argument: a material that
-    /// build_touch_body would refuse, a negative time.
+    /// build_touch_body would refuse, a negative time, an object that was not added.
     [[nodiscard]] Status set_material(ObjectId object, const SurfaceMaterial& material,
                                       double seconds);
 

@@ -108,6 +108,22 @@ class OtherQueries(ProgramTest):
         self.assertLessEqual(many["missed_ticks"], few["missed_ticks"])
         self.refuse("touch", "torus:20x10", "--device", "hand:slide", "--method", "thesis", says="not convex")
 
+    def test_rare_patches_are_felt_or_missed_in_words(self):
+        slide = ("touch", "icosphere:3", "--device", "hand:slide", "--free-running", "--method", "thesis")
+        (row,) = self.json_of(*slide, "--seconds", 3, "--collision-rate", 3)["patches"]
+        self.assertGreater(row["mean_triangles"], 10)
+        self.assertLess(row["waited_ticks"], 700)
+        # The session is over before the second patch is due.
+        short = (*slide, "--seconds", 0.2, "--collision-rate", 1)
+        result = self.json_of(*short)
+        self.assertEqual((result["touching_ticks"], result["patches"][0]["waited_ticks"]), (0, 200))
+        self.assertIn("nothing could be felt", self.succeed(*short))
+
+    def test_refusals_name_the_option_that_was_given(self):
+        press = ("touch", "cube", "--device", "hand:press", "--method", "thesis")
+        for option in (("--object", "cube"), ("--force", "penalty"), ("--record", self.folder / "r.pxt")):
+            self.assertNotIn("--patch", self.refuse(*press, *option, says="--method"))
+
 
 class AsPrinted(ProgramTest):
     def test_the_printed_method_lists_more_than_touches(self):

@@ -344,6 +344,7 @@ TEST(DeviceInput, TouchesNothingBeforeTheFirstGoodSample)
     for (std::uint64_t tick = 0; tick < 600; ++tick) EXPECT_EQ(session.forces[tick], 0) << tick;
     EXPECT_EQ(session.input.silences, 0U);
     EXPECT_EQ(session.input.faulty_ticks, 600U);
+    EXPECT_NEAR(session.input.longest_fault, 0.6, 1e-9);
 }
 
 /// A device that is moved along a path and feels nothing.

@@ -404,6 +404,10 @@ TEST(EngineLink, OneEngineAtATimeAndOnlyWhileItIsThere)
     rare.flags = ScenePacket::leaving;
     link->take(bytes_of(rare), second, time_of(1220));
     EXPECT_EQ(sent_in(1220, 1230), 0U);
+    // It left: the next one need not wait.
+    link->take(bytes_of(scene_packet(6, time_of(1231))), first, time_of(1231));
+    EXPECT_EQ(link->report().sessions, 3U);
+    EXPECT_EQ(sent_in(1231, 1241), 10U);
 }
 
 /// Runs a renderer beside a link for a tick: the device comes from above, and goes into the first cube

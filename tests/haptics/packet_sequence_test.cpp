@@ -53,6 +53,22 @@ TEST_F(PacketSequenceTest, TakesTheFirstProgramWithAnyNumber)
     EXPECT_EQ(sequence_.last_heard(), millisecond);
 }
 
+TEST_F(PacketSequenceTest, AnotherProgramBeginsAtOnceWhenTheServedOneLeaves)
+{
+    begin();
+    EXPECT_EQ(judge(2, 1, theirs, 1), foreign);
+    sequence_.leave();
+    EXPECT_EQ(judge(1, 99, ours, 1), reordered); // a late packet of the one that left
+    EXPECT_EQ(judge(2, 1, theirs, 1), well);
+    EXPECT_EQ(accept(1, 1), 0U);
+    EXPECT_EQ(judge(1, 101, ours, 2), foreign);
+    // The one that left goes on: it has not left.
+    sequence_.leave();
+    EXPECT_EQ(judge(2, 2, theirs, 2), well);
+    EXPECT_EQ(accept(2, 2), 0U);
+    EXPECT_EQ(judge(1, 101, ours, 3), foreign);
+}
+
 TEST_F(PacketSequenceTest, TellsHowANumberFollowsTheLastOne)
 {
     begin();

@@ -146,6 +146,24 @@ TEST(TouchScene, RefusesInvalidObjectsAndMotions)
         {.material = SurfaceMaterial{.static_friction = 0.1, .dynamic_friction = 0.2}}));
 }
 
+TEST(TouchScene, RefusesObjectsThatWereNotAdded)
+{
+    TouchScene scene(wide_room);
+    const TouchBody body = body_of(*sample_mesh("cube"));
+    ASSERT_TRUE(scene.add(body, at_place(Vec3::Zero())));
+    for (const std::uint32_t id : {1U, 7U, 0xffffffffU}) {
+        const ObjectId none{id};
+        for (const Status& status :
+             {scene.move(none, {}), scene.exchange(none, body), scene.deform(none, body, 0.01),
+              scene.set_material(none, {}, 0)}) {
+            ASSERT_FALSE(status);
+            EXPECT_EQ(status.error().code, ErrorCode::invalid_argument);
+            EXPECT_EQ(status.error().message,
+                      "no object has the id " + std::to_string(id) + ": the scene has 1 object");
+        }
+    }
+}
+
 TEST(TouchScene, ReportsPosesAndVelocitiesOfObjects)
 {
     const TriangleMesh mesh = *sample_mesh("cube");

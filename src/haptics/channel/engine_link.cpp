@@ -153,6 +153,7 @@ void EngineLink::take(std::span<const std::byte> packet, const UdpAddress& from,
     reply_every_ = packet_.reply_every;
     unanswered_ = true;
     left_ = (packet_.flags & ScenePacket::leaving) != 0;
+    if (left_) order_.leave();
     const double late = std::min(lateness_.add(packet_.nanoseconds, now), period_ / 2);
     for (const PacketObject& object : std::span(packet_.objects).first(packet_.count))
         merge(object, late);

@@ -225,7 +225,7 @@ const DeviceState& InputGuard::accept(const DeviceReading& reading) noexcept
         bounds_.restart();
         fault_ =
             is_fault(state_.condition) ? fault_ + options_.tick_seconds : options_.tick_seconds;
-        if (placed_) report_.longest_fault = std::max(report_.longest_fault, fault_);
+        report_.longest_fault = std::max(report_.longest_fault, fault_);
         recovering_ = placed_ ? 0 : -1;
     }
     state_.condition = condition;

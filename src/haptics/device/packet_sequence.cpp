@@ -18,8 +18,9 @@ bool PacketSequence::is_served(std::uint64_t session, std::uint64_t sequence,
     if (same && (follows || silent < forget_seconds_)) return true;
     // A sender with the address of the last one is that program again: it need not wait for long.
     const double wait = from == peer_ ? patience_ : forget_seconds_;
-    if (served_ && silent < wait) return false;
+    if (served_ && !left_ && silent < wait) return false;
     served_ = true;
+    left_ = false;
     first_ = true;
     peer_ = from;
     session_ = session;
@@ -42,6 +43,7 @@ std::uint64_t PacketSequence::accept(std::uint64_t sequence, std::int64_t now) n
 {
     const std::uint64_t lost = first_ ? 0 : sequence - sequence_ - 1;
     first_ = false;
+    left_ = false;
     sequence_ = sequence;
     last_heard_ = now;
     return lost;

@@ -4,8 +4,8 @@
 //     accept()   a packet that was judged well is the last one
 //
 // A program is known by its address and session, a number that it chooses when it starts. The first
-// one is served until it was silent for `forget_seconds`. With the same address another session may
-// begin after `patience`, and with the same session any number after `forget_seconds`.
+// one is served until it leaves, or was silent for `forget_seconds`. With the same address another
+// session may begin after `patience`, and with the same session any number after `forget_seconds`.
 #pragma once
 
 #include "base/udp_socket.h"
@@ -35,6 +35,9 @@ public:
     /// Takes a packet that was judged well. Returns how many numbers before it never came.
     std::uint64_t accept(std::uint64_t sequence, std::int64_t now) noexcept;
 
+    /// The program said that it ends: another one may begin at once.
+    void leave() noexcept { left_ = true; }
+
     [[nodiscard]] bool serves() const noexcept { return served_; } ///< there is a program
     /// Nothing of the session was accepted yet.
     [[nodiscard]] bool is_first() const noexcept { return first_; }
@@ -56,6 +59,7 @@ private:
     std::int64_t last_heard_ = 0;
     std::uint64_t sessions_ = 0;
     bool served_ = false;
+    bool left_ = false;
     bool first_ = true;
 };
 

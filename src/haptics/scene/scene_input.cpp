@@ -1,6 +1,7 @@
 #include "haptics/scene/scene_input.h"
 
 #include "base/check.h"
+#include "base/text.h"
 
 #include <cmath>
 #include <utility>
@@ -42,6 +43,14 @@ SceneInput::Object& SceneInput::object(ObjectId id)
 {
     PROXIMA_CHECK_LT(to_index(id), objects_.size());
     return *objects_[to_index(id)];
+}
+
+Result<SceneInput::Object*> SceneInput::find(ObjectId id)
+{
+    if (to_index(id) < objects_.size()) return objects_[to_index(id)].get();
+    return fail(ErrorCode::invalid_argument,
+                concat("no object has the id ", to_index(id), ": the scene has ", objects_.size(),
+                       objects_.size() == 1 ? " object" : " objects"));
 }
 
 bool SceneInput::contains(const Box& bounds, const RigidTransform& pose) const noexcept
@@ -94,7 +103,9 @@ const char* SceneInput::motion_problem(ObjectId id, const ObjectMotion& motion) 
 
 Status SceneInput::move(ObjectId id, const ObjectMotion& motion)
 {
-    Object& object = this->object(id);
+    const auto found = find(id);
+    if (!found) return tl::unexpected(found.error());
+    Object& object = **found;
     if (const char* const problem = motion_problem(id, motion))
         return fail(ErrorCode::invalid_argument, problem);
     object.course = object.course.continued(motion, clock_.now());
@@ -107,7 +118,9 @@ Status SceneInput::move(ObjectId id, const ObjectMotion& motion)
 
 Status SceneInput::set_material(ObjectId id, const SurfaceMaterial& material, double seconds)
 {
-    Object& object = this->object(id);
+    const auto found = find(id);
+    if (!found) return tl::unexpected(found.error());
+    Object& object = **found;
     if (!is_valid(material)) return fail(ErrorCode::invalid_argument, material_rule);
     if (!(seconds >= 0) || !std::isfinite(seconds)) {
         return fail(ErrorCode::invalid_argument,
@@ -141,7 +154,9 @@ void SceneInput::publish(Object& object, SceneShape shape)
 Status SceneInput::exchange(ObjectId id, std::shared_ptr<const ContactBody> body)
 {
     PROXIMA_CHECK(body != nullptr);
-    Object& object = this->object(id);
+    const auto found = find(id);
+    if (!found) return tl::unexpected(found.error());
+    Object& object = **found;
     if (!contains(body->bounds(), object.course.goal())) {
         return fail(ErrorCode::invalid_argument,
                     "the new body would not be within the scene's bounds");
@@ -157,7 +172,9 @@ Status SceneInput::change_shape(ObjectId id, std::shared_ptr<const ContactBody> 
                                 double seconds)
 {
     PROXIMA_CHECK(body != nullptr);
-    Object& object = this->object(id);
+    const auto found = find(id);
+    if (!found) return tl::unexpected(found.error());
+    Object& object = **found;
     if (!body->has_triangles_of(*object.shape.body)) {
         return fail(ErrorCode::invalid_argument,
                     "the body is no refit of the object's: use refit_touch_body, or exchange()");

@@ -93,6 +93,8 @@ private:
     };
 
     [[nodiscard]] Object& object(ObjectId id);
+    /// Error invalid_argument where no object has this id.
+    [[nodiscard]] Result<Object*> find(ObjectId id);
     [[nodiscard]] bool contains(const Box& bounds, const RigidTransform& pose) const noexcept;
     void publish(Object& object, SceneShape shape);
 

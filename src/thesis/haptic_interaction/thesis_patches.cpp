@@ -12,8 +12,10 @@ bool ThesisPatches::fill(ContactPatch& patch, const Vec3& device, const Vec3& pr
         rings_.fill(patch, device, *closest, depth);
         return true;
     }
-    // The proxy is on the surface, on either side of it by rounding: asked for a little farther out.
-    const Vec3 before = proxy + 0x1p-20 * (proxy - device);
+    // A proxy on the surface is on either side of it by rounding: asked for a little farther out. A
+    // free one is where the device is, which may be outside the root.
+    const Vec3 farther = proxy + 0x1p-20 * (proxy - device);
+    const Vec3 before = farther.cwiseMax(root_.lower).cwiseMin(root_.upper);
     if (const auto closest = closest_feature(octree_, mesh_, topology_, before)) last_ = closest;
     if (!last_) return false;
     // Nothing is known of the device's own distance.

@@ -15,17 +15,20 @@ public:
     /// Refers to all, which must outlive it. \pre the octree was built from the mesh
     ThesisPatches(const ThesisProximityOctree& octree, const TriangleMesh& mesh,
                   const Topology& topology, RingPatches& rings) noexcept
-        : octree_(octree), mesh_(mesh), topology_(topology), rings_(rings)
+        : octree_(octree), root_(cell_box(octree.frame(), CellKey{})), mesh_(mesh),
+          topology_(topology), rings_(rings)
     {}
 
     /// Fills a patch around the feature closest to the device. The thesis's octree has no answer
-    /// inside the mesh or outside the root: then the proxy is asked for, which stays on the surface,
-    /// and then the last feature found serves. Returns false, and leaves the patch alone, before any
-    /// feature was found. noexcept, no allocation. \pre device and proxy are finite, depth >= 0
+    /// inside the mesh or outside the root: then the point of the root closest to the proxy is asked
+    /// for, which is on the surface or, in free space, where the device is; and then the last feature
+    /// found serves. Returns false, and leaves the patch alone, before any feature was found.
+    /// noexcept, no allocation. \pre device and proxy are finite, depth >= 0
     bool fill(ContactPatch& patch, const Vec3& device, const Vec3& proxy, int depth) noexcept;
 
 private:
     const ThesisProximityOctree& octree_;
+    Box root_; ///< its
     const TriangleMesh& mesh_;
     const Topology& topology_;
     RingPatches& rings_;

@@ -81,6 +81,17 @@ TEST_F(ThesisPatchesTest, FollowAProxyThatRoundingPutsBehindTheSurface)
     EXPECT_EQ(ids_of(made), ids_of(expected));
 }
 
+TEST_F(ThesisPatchesTest, AskForThePointOfTheRootClosestToADeviceOutside)
+{
+    const Vec3 outside(0.02, 0.03, 40);
+    ASSERT_FALSE(closest_feature(cells, mesh, topology, outside));
+    ASSERT_TRUE(patches.fill(made, outside, outside, 2));
+    const Box root = cell_box(cells.frame(), CellKey{});
+    rings.fill(expected, Vec3(0.02, 0.03, root.upper.z()), 2);
+    EXPECT_EQ(ids_of(made), ids_of(expected));
+    EXPECT_EQ(made.clearance, 0);
+}
+
 TEST_F(ThesisPatchesTest, AreEmptyBeforeAnyFeatureIsFound)
 {
     EXPECT_FALSE(patches.fill(made, Vec3::Zero(), Vec3::Zero(), 2));
