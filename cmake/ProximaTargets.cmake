@@ -32,7 +32,7 @@ endif()
 if(PROXIMA_SANITIZE)
   # Without the check that pointers do not wrap: it makes exits of loops, on which clang 14 spends half of its time in kernels. And
   # without those, before each use of a pointer, that it is not null and that an object of the type and size lies there: they
-  # take another quarter. What is read or written by such pointers, the address sanitizer sees.
+  # take another quarter. What is read or written by such pointers outside of objects, the address sanitizer sees.
   target_compile_options(proxima_developer_options INTERFACE
     -fsanitize=${PROXIMA_SANITIZE} -fno-sanitize=pointer-overflow,null,object-size,vptr -fno-omit-frame-pointer
     -fno-sanitize-recover=all)
@@ -85,7 +85,7 @@ endfunction()
 # optimisation from precompiled headers, whatever the command says, so joined sources go without them.
 function(proxima_build_quickly target)
   if(PROXIMA_SANITIZE)
-    # Nor is looked at how the addresses of objects are aligned: this code maps no files.
+    # The alignment of addresses is not checked either: this code maps no files.
     target_compile_options(${target} PRIVATE -O0 -fno-sanitize=alignment)
   else()
     target_compile_options(${target} PRIVATE $<$<CONFIG:Release>:-O1>)

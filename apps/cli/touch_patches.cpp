@@ -205,7 +205,7 @@ std::string patch_table(const std::vector<PatchAccount>& accounts)
             microseconds(0.999));
     }
     for (const PatchAccount& account : accounts) {
-        if (account.waited_ticks < account.ticks) continue;
+        if (account.ticks == 0 || account.waited_ticks < account.ticks) continue;
         text += fmt::format("{}: no patch came in {} ticks, so nothing could be felt: no closest "
                             "feature was found in time, or --collision-rate is too low\n",
                             name_of(account.settings), account.waited_ticks);

@@ -202,8 +202,9 @@ std::string settings_text(const SelfTestPage& page)
 {
     if (!page.report.settings) {
         return any_is_later(page.report)
-                   ? "No settings: forces act later than can be measured. Find what delays them, "
-                     "such as a network,\nor use a device whose program makes forces itself.\n"
+                   ? "No settings: how late forces act is not known, and it may be 80 ticks or "
+                     "more. Find what delays\nthem, such as a network, or what hides them, such as "
+                     "noise.\n"
                    : "No settings: how forces move the tip is not known.\n";
     }
     const SuggestedSettings& set = *page.report.settings;

@@ -60,8 +60,8 @@ enum class ContactEvidence : std::uint8_t {
     intersection, ///< the meshes meet at touches_at, as meshes_intersect decides, exactly
     /// Whatever the tolerance, they are nearer at free_until than six margins (below), and do not meet
     /// at the times that were tried: the tolerance and 4, 16, 64, ... margins later, up to 2^-10 of
-    /// the time or 64 margins. Contact can be neither shown nor excluded. Nor can it where a mesh is
-    /// larger than 2^1001: there free_until is 0.
+    /// the time or 64 margins. Contact can be neither shown nor excluded. Where a mesh is larger
+    /// than 2^1001, free_until is 0 and only contact at those times is shown.
     rounding,
     steps,    ///< max_steps were taken: free_until is as far as they got, 0 perhaps
     cancelled ///< the progress asked to stop: likewise

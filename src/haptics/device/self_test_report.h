@@ -71,7 +71,7 @@ struct SelfTestReport {
     std::array<AxisReport, 3> axes;
     bool rested = false; ///< the tip came to rest after the release
     bool held = false;   ///< something held the tip while the motors pushed
-    int delay = 0;       ///< ticks, the largest of the axes
+    int delay = 0;       ///< ticks, the largest of the axes for which one was found
     double step = 0;     ///< m, the coarsest of the axes
     /// None without a motion, or where the delay along an axis may be longer than all that were
     /// tried.
@@ -79,7 +79,7 @@ struct SelfTestReport {
     double largest_force = 0; ///< N that the test allowed itself
 };
 
-/// Computes the report. Tenths of a second. \pre the loop has ended
+/// Computes the report. A second or two. \pre the loop has ended
 [[nodiscard]] SelfTestReport report_of(const SelfTest& test, const DeviceLimits& limits);
 
 /// Settings for an axis whose motion was found and whose encoder has a step, m, or 0. Numbers that

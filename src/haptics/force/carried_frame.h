@@ -21,7 +21,7 @@ class CarriedFrame {
 public:
     using Vector = Eigen::Matrix<double, size, 1>;
 
-    /// Step of the frame in a tick in which what is touched moved by `surface`; none: nothing is.
+    /// Step of the frame in the seconds in which what is touched moved by `surface`; none: nothing is.
     /// \pre finite, seconds > 0
     [[nodiscard]] Vector step(const Vector* surface, double seconds) noexcept
     {
@@ -34,6 +34,8 @@ public:
         }
         return seconds * velocity_;
     }
+
+    [[nodiscard]] const Vector& velocity() const noexcept { return velocity_; } ///< per second
 
     void restart() noexcept { *this = {}; }
 

@@ -9,8 +9,9 @@
 // limit that holds the force back makes it later still. Whatever swings more slowly is moved by a
 // hand, and is not softened.
 //
-// Positions and velocities are the device's own, in the frame of what carries it (carried_frame.h). A surface
-// that shakes drives a device that moves less than it: then nothing is answered.
+// Positions and velocities are the device's own, in the frame of what carries it (carried_frame.h). A swing is
+// answered only where at least half of the motion against the surface, in squares of velocities, is
+// the device's own: otherwise a surface that shakes drives it.
 #pragma once
 
 #include "haptics/force/energy_account.h"
@@ -42,7 +43,7 @@ public:
         : mode_(mode), max_force_(limits.max_force), max_damping_(limits.max_damping)
     {}
 
-    /// The force for the next tick, in the frame's position and velocity. \pre all finite, seconds > 0
+    /// The force for the next tick, from the device's motion in the frame. \pre all finite, seconds > 0
     [[nodiscard]] Vec3 pass(const Vec3& position, const Vec3& velocity, const ContactForce& force,
                             double seconds) noexcept;
 

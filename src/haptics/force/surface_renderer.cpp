@@ -160,6 +160,7 @@ void SurfaceRenderer::start_anew() noexcept
     place_outside(surface_.nearest_exit(proxy_.last().proxy));
     guard_.cross_over();
     passivity_.restart();
+    frame_.restart();
 }
 
 /// Velocity of the surface under the proxy, m/s: mean of the contacts, weighted by pressure.
@@ -391,9 +392,8 @@ const RenderTick& SurfaceRenderer::tick(const DeviceState& state, double seconds
         velocity -= tick_.surface_velocity;
         const Vec3 carried = advanced * tick_.surface_velocity;
         ground_ += carried;
-        const Vec3 step = frame_.step(touching ? &carried : nullptr, seconds);
-        frame_position_ += step;
-        guarded_velocity -= step / seconds;
+        if (advanced > 0) frame_position_ += frame_.step(touching ? &carried : nullptr, advanced);
+        guarded_velocity -= frame_.velocity();
     }
     if (!probe_) feel_texture(proxy, velocity, seconds);
     tick_.spring = probe_ ? penalty_force(options_.force, proxy.depth / map_.units_per_metre,

@@ -27,8 +27,8 @@ constexpr int hand_legs = 3;
 constexpr double exchanging = 0.5;
 constexpr int exchanging_legs = 5;
 
-/// A surface that shakes drives a device, whose motion then is the smaller part of that against the surface.
-/// Of squares of velocities.
+/// Where less than this part of the motion against a surface is the device's own, in squares of velocities,
+/// the surface shakes and drives it.
 constexpr double own_part = 0.5;
 
 constexpr double nearly_all = 0.9; ///< of the damping that is allowed

@@ -62,10 +62,16 @@ Wrench ToolGuard::guarded(const ToolPull& pull, double seconds) noexcept
 {
     const Vec6 ground = at_lever(pull.ground.value_or(Twist{}));
     Vec6 relative = at_lever(pull.travel) - ground;
-    Vec6 travel = at_lever(pull.travel) - frame_.step(pull.ground ? &ground : nullptr, seconds);
+    Vec6 travel = at_lever(pull.travel);
+    Vec6 own_velocity = travel / seconds;
+    if (pull.ground_seconds > 0) {
+        travel -= frame_.step(pull.ground ? &ground : nullptr, pull.ground_seconds);
+        own_velocity -= frame_.velocity();
+    }
     if (!gives_torque_) { // nothing can damp turns
         relative.tail<3>().setZero();
         travel.tail<3>().setZero();
+        own_velocity.tail<3>().setZero();
     }
     relative_ += relative;
     position_ += travel;
@@ -85,7 +91,7 @@ Wrench ToolGuard::guarded(const ToolPull& pull, double seconds) noexcept
             torque_ramp_.pass(relative_.tail<3>(), velocity.tail<3>(), whole.tail<3>(), seconds);
     }
     const Vec6 result =
-        passivity_.pass(position_, travel / seconds, position_ - relative_, spring, whole, seconds);
+        passivity_.pass(position_, own_velocity, position_ - relative_, spring, whole, seconds);
     return {result.head<3>(), turning_lever * result.tail<3>()};
 }
 

@@ -29,7 +29,9 @@ struct Wrench {
 struct ToolPull {
     Twist travel;                ///< of the device since the tick before, m and rad
     std::optional<Twist> ground; ///< of what is touched, where it can move
-    Wrench spring;               ///< without damping
+    double ground_seconds =
+        0;         ///< in which it moved so far; a tick, more after ticks that were lost
+    Wrench spring; ///< without damping
     Wrench whole;
     bool jumped = false; ///< the device: the force ramps up anew
 };

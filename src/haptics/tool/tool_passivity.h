@@ -44,7 +44,7 @@ public:
     {}
 
     /// The pull for the next tick, from that of the springs and that with their damping; both zero
-    /// away from contacts, where the surface has moved so far. \pre all finite, seconds > 0
+    /// away from contacts. `surface`: how far what is touched has moved in the frame. \pre all finite, seconds > 0
     [[nodiscard]] Vec6 pass(const Vec6& position, const Vec6& velocity, const Vec6& surface,
                             const Vec6& spring, const Vec6& whole, double seconds) noexcept;
 

@@ -205,7 +205,7 @@ private:
     /// Objects move on, and have the friction of their materials.
     void advance_scene(double seconds) noexcept
     {
-        (void)view_->advance(seconds);
+        advanced_ = view_->advance(seconds).seconds;
         for (std::uint32_t at = 0; at < view_->object_count(); ++at) {
             const auto material = view_->material(scene_triangle(ObjectId{at}, TriangleId{0}));
             proxy_.set_object(at, view_->object(ObjectId{at}).now, friction_of(material, options_));
@@ -277,6 +277,7 @@ private:
         ToolPull pull;
         pull.travel = travel_;
         if (options_.guard != Guard::off) pull.ground = ground_travel();
+        pull.ground_seconds = advanced_;
         pull.jumped = tick_.fault == InputFault::jumped;
         if (!pull.jumped) {
             pull.spring.force = options_.force.stiffness * stretch.linear;
@@ -317,8 +318,9 @@ private:
     ToolProxy proxy_;
     ToolGuard guard_;
     ToolTick tick_;
-    Twist stretch_; ///< of the last tick, in metres
-    Twist travel_;  ///< of the device in this tick, m and rad
+    Twist stretch_;       ///< of the last tick, in metres
+    Twist travel_;        ///< of the device in this tick, m and rad
+    double advanced_ = 0; ///< s: by which the scene moved on in this tick; 0 without one
     bool has_device_ = false;
     bool is_placed_ = false;
     /// A crowd of triangles holds the proxy, while the device is free: the force fades, and then the

@@ -46,8 +46,8 @@ double block_unit(const IndexParts& index)
     return is_point(index) ? 0 : index.unscale();
 }
 
-/// Corners of a box about all triangles, in the mesh's own coordinates; `unit` is the blocks'.
-/// \pre is_in_root(index)
+/// Corners of the root's box, in the mesh's own coordinates; `unit` is the blocks'. About all triangles
+/// where is_in_root() holds.
 std::array<Vec3, 8> corners_around(const IndexParts& index, double unit)
 {
     const RootBox& box = index.root_box();

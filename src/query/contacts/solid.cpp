@@ -88,7 +88,7 @@ double hull_error_of(const ConvexPolyhedron& hull, double excess)
     }
     double reach = 0;
     for (const Vec3& p : points) reach = std::max(reach, length_of(p - center));
-    excess += 0x1p-48 * reach; // roundings of heights above planes
+    excess += 0x1p-47 * reach; // roundings of heights above planes, 2^-49 of the diagonal at most
     return radius > 2 * excess ? excess / (radius - excess) * reach : HUGE_VAL;
 }
 
