@@ -16,10 +16,10 @@
 namespace proxima {
 
 /// One per device. noexcept, no allocation, O(1).
-template <int size>
+template <int Size>
 class CarriedFrame {
 public:
-    using Vector = Eigen::Matrix<double, size, 1>;
+    using Vector = Eigen::Matrix<double, Size, 1>;
 
     /// Step of the frame in the seconds in which what is touched moved by `surface`; none: nothing is.
     /// \pre finite, seconds > 0
