@@ -192,16 +192,10 @@ std::string gaps_text(const SelfTestPage& page)
     return text;
 }
 
-bool any_is_later(const SelfTestReport& report)
-{
-    return std::ranges::any_of(report.axes,
-                               [](const AxisReport& axis) { return axis.motion.is_later; });
-}
-
 std::string settings_text(const SelfTestPage& page)
 {
     if (!page.report.settings) {
-        return any_is_later(page.report)
+        return page.report.any_is_later()
                    ? "No settings: how late forces act is not known, and it may be 80 ticks or "
                      "more. Find what delays\nthem, such as a network, or what hides them, such as "
                      "noise.\n"
@@ -246,7 +240,7 @@ std::string simulation_text(const SelfTestReport& report)
         damping += axis.motion.damping.value;
         friction += axis.motion.friction.value;
     }
-    if (!(found > 0) || any_is_later(report)) return {};
+    if (!(found > 0) || report.any_is_later()) return {};
     return fmt::format("Such a device, simulated: --hand-mass {:.2g} --device-damping {:.2g} "
                        "--device-friction {:.2g} --encoder-step {:.2g} --delay {}\n",
                        mass / found, damping / found, friction / found, report.step, report.delay);

@@ -65,12 +65,10 @@ Result<OctreeNode> SubtreeGrower::grow(const Subtree& subtree, ChildTest& test,
     level_.pad();
 
     for (int depth = subtree.depth; level_.pair_count != 0; ++depth, half /= 2) {
-        if (is_cancelled(limits_.progress)) {
-            return cancelled("building the octree");
-        }
         split_pairs_ += level_.pair_count;
         masks_.resize(level_.pair_count + lane_padding);
         test.find_touched(level_, depth, masks_.data());
+        if (is_cancelled(limits_.progress)) return cancelled("building the octree");
         const std::uint64_t children = count_children(masks_.data(), level_.pair_count);
         if (auto status = reserve(children, output); !status) return tl::unexpected(status.error());
         const SplitRule rule{.threshold = limits_.threshold,

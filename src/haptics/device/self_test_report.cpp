@@ -242,6 +242,11 @@ SuggestedSettings suggest_settings(const DeviceLimits& limits, double tick_secon
     return result;
 }
 
+bool SelfTestReport::any_is_later() const noexcept
+{
+    return std::ranges::any_of(axes, [](const AxisReport& axis) { return axis.motion.is_later; });
+}
+
 SelfTestReport report_of(const SelfTest& test, const DeviceLimits& limits)
 {
     SelfTestReport report;
@@ -271,10 +276,8 @@ SelfTestReport report_of(const SelfTest& test, const DeviceLimits& limits)
             report.held || (seen.motion.stiffness.is_certain() && seen.motion.stiffness.value > 10);
     }
     measure_ramps(test, report.axes);
-    const bool is_later = std::ranges::any_of(
-        report.axes, [](const AxisReport& axis) { return axis.motion.is_later; });
     for (const AxisReport& axis : report.axes) {
-        if (!axis.motion.found || is_later) continue;
+        if (!axis.motion.found || report.any_is_later()) continue;
         const SuggestedSettings settings = suggest_settings(
             limits, test.options().tick_seconds, report.delay, axis.motion, axis.encoder.step);
         if (!report.settings || settings.stiffness < report.settings->stiffness)

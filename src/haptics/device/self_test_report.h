@@ -77,6 +77,9 @@ struct SelfTestReport {
     /// tried.
     std::optional<SuggestedSettings> settings;
     double largest_force = 0; ///< N that the test allowed itself
+
+    /// Whether the delay along an axis may be longer than all that were tried.
+    [[nodiscard]] bool any_is_later() const noexcept;
 };
 
 /// Computes the report. A second or two. \pre the loop has ended

@@ -19,8 +19,7 @@ namespace proxima {
 
 namespace {
 
-/// The mesh with one vertex for each position, times a power of two that makes it about 1 large, so
-/// that volumes are numbers.
+/// The mesh with one vertex for each position, times a power of two.
 Result<TriangleMesh> welded(const TriangleMesh& mesh, double scale)
 {
     const std::vector<std::uint32_t> first = detail::first_at_position(mesh);
@@ -40,7 +39,7 @@ Result<TriangleMesh> welded(const TriangleMesh& mesh, double scale)
 /// That the surface bounds a solid: closed, oriented, every component outward or a cavity's.
 Status check_solid(const MeshIndex& index, const TriangleMesh& mesh, const Execution& execution)
 {
-    const auto whole = welded(mesh, index.parts().scale());
+    const auto whole = welded(mesh, index.parts().scale()); // volumes of this size are numbers
     if (!whole) return tl::unexpected(whole.error());
     const auto report = report_mesh(*whole, {.execution = execution});
     if (!report) return tl::unexpected(report.error());
@@ -116,9 +115,11 @@ void find_convexity(SolidParts& parts, const TriangleMesh& mesh, const Execution
         parts.hull_error = 0;
         return;
     }
+    const auto whole = welded(mesh, 1); // triangles of a soup have neighbours, too
+    if (!whole) return;
     const double diagonal = length_of(bounding_box(mesh).extent());
     for (const double tolerance : {1e-9, 1e-12, 0x1p-50}) {
-        const auto hull = polyhedron_of_mesh(mesh, {tolerance, execution});
+        const auto hull = polyhedron_of_mesh(*whole, {tolerance, execution});
         if (!hull) return;
         const double error = hull_error_of(parts.hull, tolerance * diagonal);
         if (!(error < 0.1 * diagonal)) continue;

@@ -20,6 +20,7 @@ namespace proxima {
 template <OverlapTest Test>
 class EachChildTest final : public ChildTest {
 public:
+    /// Not to be used once work is cancelled.
     template <class Make>
     EachChildTest(const TriangleMesh& mesh, const OctreeFrame& frame, const OctreeOptions& options,
                   Exactness exactness, const Make& make)
@@ -27,6 +28,7 @@ public:
     {
         tests_.reserve(mesh.triangle_count());
         for (std::uint32_t id = 0; id < mesh.triangle_count(); ++id) {
+            if (id % 1024 == 0 && is_cancelled(options.execution.progress)) return;
             tests_.push_back(make(mesh.triangle(TriangleId{id})));
         }
     }
@@ -149,6 +151,7 @@ build_with_test(const TriangleMesh& mesh, const OctreeFrame& frame, const Octree
     std::vector<std::uint32_t> ids(mesh.triangle_count());
     std::iota(ids.begin(), ids.end(), 0U);
     EachChildTest<Test> test(mesh, frame, options, exactness, make);
+    if (is_cancelled(options.execution.progress)) return cancelled("building the octree");
     OctreeOutput output;
     // The root's own node comes first; its descendants follow breadth first.
     output.nodes.push_back(OctreeNode{});

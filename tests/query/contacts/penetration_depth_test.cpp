@@ -256,6 +256,20 @@ TEST(PenetrationDepth, OfBallsIsThatOfSpheresButForTheirFaces)
     }
 }
 
+TEST(PenetrationDepth, AConvexMeshStaysConvexWhereItsTrianglesShareNoVertices)
+{
+    const TriangleMesh ball = make_icosphere(4); // too large for exact predicates
+    std::vector<Vec3> positions;
+    std::vector<TriangleCorners> triangles;
+    for (std::uint32_t t = 0; t < ball.triangle_count(); ++t) {
+        triangles.push_back({3 * t, 3 * t + 1, 3 * t + 2});
+        for (const Vec3& p : ball.triangle(TriangleId{t}).vertices) positions.push_back(p);
+    }
+    const Solid soup = solid_of(make_triangle_mesh(positions, triangles).value());
+    EXPECT_TRUE(soup.is_convex());
+    EXPECT_NEAR(soup.hull_error(), solid_of(ball).hull_error(), 1e-15);
+}
+
 TEST(PenetrationDepth, OfRandomHullsIsThatOfAllNormals)
 {
     const std::uint64_t seed = 357;
