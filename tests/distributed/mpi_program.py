@@ -82,7 +82,7 @@ class DistributedTest(unittest.TestCase):
         path.write_bytes(content)
         return path
 
-    def refuse_each(self, *jobs, ranks=3):
+    def refuse_each(self, *jobs, ranks=2):
         """Runs that end with one message: each is a list of arguments, and parts of the message."""
         for (arguments, *says), result in zip(jobs, run_each((ranks, *job[0]) for job in jobs)):
             self.assertEqual(result.returncode, 1, f"{arguments}: {result.stderr}")
