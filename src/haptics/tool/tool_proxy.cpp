@@ -102,7 +102,7 @@ bool ToolProxy::place(const RigidTransform& pose) noexcept
     friction_.restart();
     held_count_ = 0;
     path_count_ = 0;
-    last_length_ = 0;
+    last_seen_ = 0;
     most_margin_ = base_margin_;
     near_count_ = 0;
     return is_free;
@@ -141,13 +141,14 @@ void ToolProxy::step_objects(double part) noexcept
 ToolProxy::Move ToolProxy::make_move(const Twist& twist, double part) noexcept
 {
     const double reach = tool_.features.reach();
-    Move result = {part < 1 ? twist.scaled(part) : twist, moved_by(pose_, twist, part), 0};
-    result.length = result.twist.path_length(reach);
+    Move result = {part < 1 ? twist.scaled(part) : twist, moved_by(pose_, twist, part)};
+    result.way = result.twist.path_length(reach);
     for (SeenObject& object : objects_) {
         object.set_motion(twist, result.to, part);
-        if (object.moves)
-            result.length = std::max(result.length, object.motion.twist.path_length(reach));
+        const double seen = object.moves ? object.motion.twist.path_length(reach) : result.way;
+        result.seen = std::max(result.seen, seen);
     }
+    result.way = std::max(result.way, result.seen);
     return result;
 }
 
@@ -305,9 +306,11 @@ double ToolProxy::make_proven(const Move& motion, double part) noexcept
         object.pose = object.stepped(part);
         object.look_at(pose_);
     }
-    const double length = objects_move_ ? made.length : part * motion.length;
-    last_length_ += length;
-    travelled_ += length;
+    const double share = objects_move_ ? 1 : part;
+    const Move& whole = objects_move_ ? made : motion;
+    last_way_ += share * whole.way;
+    last_seen_ += share * whole.seen;
+    travelled_ += share * whole.seen;
     keep_path();
     return part;
 }
@@ -335,16 +338,15 @@ ToolProxy::MoveEnd ToolProxy::move(const Twist& wanted) noexcept
     collect_near();
     Move motion = make_move(solve(free), 1);
     for (int round = 0;; ++round) {
-        const double space = room();
-        if (motion.length > space) {
-            const double margin = base_margin_ + 1.5 * motion.length;
+        const double part = listed_part();
+        if (part < 1) {
+            const double margin = base_margin_ + 1.5 * motion.seen;
             if (list_margin_ < std::min(margin, most_margin_) && work_.lists < options_.max_lists) {
                 if (!list_pairs(margin)) return MoveEnd::overloaded;
                 collect_near();
                 motion = make_move(solve(free), 1);
                 continue;
             }
-            const double part = std::max(space, 0.0) / motion.length;
             steps *= part;
             if (objects_move_) step_objects(steps);
             motion = make_move(motion.twist.scaled(part), 1);
@@ -354,7 +356,7 @@ ToolProxy::MoveEnd ToolProxy::move(const Twist& wanted) noexcept
     }
     // Friction holds the tool: it rests, and does not creep by what the solver rounds.
     if (has_friction() && solution_.solved && !is_behind() &&
-        motion.length < constraint_tolerance * options_.clearance) {
+        motion.way < constraint_tolerance * options_.clearance) {
         hold_back(solution_);
         return MoveEnd::settled;
     }
@@ -367,7 +369,7 @@ ToolProxy::MoveEnd ToolProxy::move(const Twist& wanted) noexcept
     left.tail<3>() = options_.turning_length * rest.angular;
     const bool gains = std::abs(left.norm() - free.norm()) > gain_clearances * options_.clearance;
     const bool goes_on = !solution_.solved || objects_move_ || is_behind() ||
-                         (motion.length > settled && (gains || part < least_part));
+                         (motion.way > settled && (gains || part < least_part));
     return goes_on ? MoveEnd::goes_on : MoveEnd::settled;
 }
 
@@ -386,7 +388,8 @@ void ToolProxy::follow(const RigidTransform& device) noexcept
 /// Moves towards the device until the proxy settles or the tick ends.
 ToolEnd ToolProxy::approach() noexcept
 {
-    const double expected = 2 * std::exchange(last_length_, 0.0);
+    const double expected = 2 * std::exchange(last_seen_, 0.0);
+    last_way_ = 0;
     const double reach = tool_.features.reach();
     int still = 0; // moves in a row that came no nearer
     while (work_.moves < options_.max_moves && still < 2 && effort_.begin(0, begin_share)) {
@@ -397,18 +400,18 @@ ToolEnd ToolProxy::approach() noexcept
             if (!list_pairs(base_margin_ + std::min(length, expected))) return ToolEnd::overloaded;
         }
         ++work_.moves;
-        const double before = last_length_;
+        const double before = last_way_;
         const MoveEnd end = move(wanted);
         if (end == MoveEnd::overloaded) return ToolEnd::overloaded;
         if (solution_.active_count == 0 && solution_.solved &&
-            last_length_ - before >= length * (1 - 1e-12)) {
+            last_way_ - before >= length * (1 - 1e-12)) {
             pose_ = device_;
             path_[path_count_ - 1] = pose_;
             for (SeenObject& object : objects_) object.look_at(pose_);
             return ToolEnd::settled;
         }
         if (end == MoveEnd::settled) return ToolEnd::settled;
-        still = last_length_ - before > settled_clearances * options_.clearance ? 0 : still + 1;
+        still = last_way_ - before > settled_clearances * options_.clearance ? 0 : still + 1;
     }
     return ToolEnd::limited;
 }

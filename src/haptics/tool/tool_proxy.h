@@ -111,13 +111,16 @@ private:
     struct Move {
         Twist twist;       ///< of the tool
         RigidTransform to; ///< its pose at the end
-        double length = 0; ///< that its points move at most, as any object sees them
+        double way = 0;    ///< of its points, at most, in the world or as an object sees them
+        double seen = 0;   ///< the same as objects see them: 0 where they carry the tool along
     };
 
     [[nodiscard]] bool has_friction() const noexcept;
     [[nodiscard]] bool list_pairs(double margin) noexcept;
     [[nodiscard]] bool list_pairs_once(double margin) noexcept;
+    [[nodiscard]] double room(const SeenObject& object) const noexcept;
     [[nodiscard]] double room() const noexcept;
+    [[nodiscard]] double listed_part() const noexcept;
     [[nodiscard]] bool is_behind() const noexcept;
     [[nodiscard]] double way_of_objects() const noexcept;
     void step_objects(double part) noexcept;
@@ -154,7 +157,7 @@ private:
     std::size_t pair_count_ = 0;
     std::size_t near_count_ = 0;  ///< pairs that were near in the last move
     std::size_t plain_count_ = 0; ///< of a move: pairs that only a vertex of one triangle can touch
-    double travelled_ = 0;        ///< by points of the tool since it was placed, at most
+    double travelled_ = 0;        ///< by points of the tool since it was placed, at most, as seen
     std::vector<double> apart_until_; ///< by pair: its triangles meet no sooner than that much
                                       ///< was travelled
     std::vector<NearPair*> open_;     ///< pairs that no known plane keeps apart
@@ -168,7 +171,8 @@ private:
     std::vector<RigidTransform> object_paths_; ///< by object, most_moves + 1 each
     std::size_t path_count_ = 0;
     ConstrainedMotion solution_;
-    double last_length_ = 0; ///< of the last tick's path
+    double last_way_ = 0;  ///< of the last tick's path
+    double last_seen_ = 0; ///< the same as objects saw it
     ToolEnd end_ = ToolEnd::settled;
     ToolWork work_;
     ToolEffort effort_;

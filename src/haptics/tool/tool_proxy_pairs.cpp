@@ -98,17 +98,34 @@ bool ToolProxy::list_pairs(double margin) noexcept
     return false;
 }
 
-/// How far points of the tool may still move before a pair that is not listed could be too near.
+/// How far an object may see points of the tool still move before a pair that is not listed could be too
+/// near.
+double ToolProxy::room(const SeenObject& object) const noexcept
+{
+    const double moved =
+        twist_between(object.listed, object.relative).path_length(tool_.features.reach());
+    return object.list_reach - options_.clearance - moved;
+}
+
+/// The least of all objects.
 double ToolProxy::room() const noexcept
 {
     if (list_margin_ < 0) return -1;
     double least = std::numeric_limits<double>::infinity();
-    for (const SeenObject& object : objects_) {
-        const double moved =
-            twist_between(object.listed, object.relative).path_length(tool_.features.reach());
-        least = std::min(least, object.list_reach - options_.clearance - moved);
-    }
+    for (const SeenObject& object : objects_) least = std::min(least, room(object));
     return least;
+}
+
+/// The part of the move that ends before a pair that is not listed could be too near.
+double ToolProxy::listed_part() const noexcept
+{
+    double part = 1;
+    for (const SeenObject& object : objects_) {
+        const double length = object.motion.twist.path_length(tool_.features.reach());
+        const double space = std::max(room(object), 0.0);
+        if (length > space) part = std::min(part, space / length);
+    }
+    return part;
 }
 
 /// Takes the contacts of a pair whose gap is more than `nearest` and at most `farthest`; false where
@@ -211,7 +228,7 @@ std::span<NearPair*> ToolProxy::open_pairs(const SeenObject& object, double leas
 bool ToolProxy::collect_hit(const Move& motion) noexcept
 {
     const std::size_t before = contact_count_;
-    const double farthest = list_margin_ + motion.length;
+    const double farthest = list_margin_ + motion.seen;
     const double near = near_clearances * options_.clearance;
     for (const SeenObject& object : objects_) {
         for (NearPair* const pair :

@@ -92,6 +92,54 @@ TEST(ToolInScene, AnObjectThatRisesPushesTheTool)
     }
 }
 
+/// Nothing changes between a tool and what it rests on while device and object move alike.
+TEST(ToolInScene, AnObjectThatMovesWithTheDeviceFeelsLikeOneAtRest)
+{
+    const double depth = 0.001;
+    for (const double step : {0.2e-3, 1e-3, 5e-3}) { // m in a tick
+        for (const Vec3& way : {Vec3(0, 0, step), Vec3(0, 0, -step), Vec3(step, 0, step)}) {
+            SceneBench bench(box_mesh(Vec3::Constant(half)));
+            const ObjectId plate = bench.add(box_mesh({0.1, 0.1, 0.01}), pose_at({0, 0, -0.01}));
+            bench.add(box_mesh({0.02, 0.02, 0.02}), pose_at({0, 0.9, 0})); // is passed by
+            bench.start(pose_at({0, 0, half + 0.001}));
+            bench.rest(pose_at({0, 0, half - depth}), 20);
+            for (int i = 1; i <= 100; ++i) {
+                const Vec3 moved = i * way;
+                bench.move(plate, pose_at(Vec3(0, 0, -0.01) + moved), 0);
+                const ToolTick& tick = bench.tick(pose_at(Vec3(0, 0, half - depth) + moved));
+                ASSERT_NEAR(tick.force.z(), stiffness * (depth + clearance), force_error)
+                    << step << ", tick " << i;
+                ASSERT_LT(tick.force.head<2>().norm(), force_error) << step << ", tick " << i;
+            }
+        }
+    }
+}
+
+/// However fast an object moves along that the device is inside of and touches nowhere.
+TEST(ToolInScene, FreeInsideOfAnObjectThatMovesItFeelsNothing)
+{
+    for (const double step : {1e-3, 0.04, 0.3}) { // m in a tick
+        SceneBench bench(box_mesh(Vec3::Constant(half)));
+        TriangleMesh room = box_mesh(Vec3::Constant(0.06));
+        std::vector<TriangleCorners> inward(room.triangles().begin(), room.triangles().end());
+        for (TriangleCorners& corners : inward) std::swap(corners[0], corners[1]);
+        room =
+            make_triangle_mesh({room.positions().begin(), room.positions().end()}, inward).value();
+        const ObjectId box = bench.add(room, pose_at({0, 0, 0}));
+        bench.start(pose_at({0, 0, 0.01}));
+        const Vec3 turn(0.001, -0.002, 0.0015);
+        for (int i = 1; i <= 100; ++i) {
+            const double at = i % 3 * step;
+            bench.move(box, pose_at({at, 0.3 * at, 0}, i * turn), 0);
+            const RigidTransform device = pose_at({at, 0.3 * at, 0.01}, i * turn);
+            const ToolTick& tick = bench.tick(device);
+            ASSERT_EQ(tick.end, ToolEnd::settled) << step << ", tick " << i;
+            ASSERT_EQ(tick.force, Vec3(Vec3::Zero())) << step << ", tick " << i;
+            ASSERT_EQ(tick.proxy.translation, device.translation);
+        }
+    }
+}
+
 /// What the passivity guard saw of a table at that height and a tool that is that far above it at
 /// first, after 2.5 s.
 SwingReport watched(const std::function<double(int)>& table_at,
