@@ -186,7 +186,7 @@ intersection_contour(const TriangleMesh& a, const TriangleMesh& b, const RigidTr
 enum class InsideMethod : std::uint8_t {
     crossings,     ///< closed, consistently oriented: where it winds round, either way; exact
     parity,        ///< closed, not consistently oriented: behind an odd number of faces; exact
-    winding_number ///< open: where, in its box, the winding number's size is at least 1/2
+    winding_number ///< open: where the winding number's size is at least 1/2
 };
 
 enum class Containment : std::uint8_t { none, a_in_b, b_in_a };

@@ -81,7 +81,7 @@ struct ToolContact {
 /// How the proxy's motion of a tick ended.
 enum class ToolEnd : std::uint8_t {
     settled, ///< no pose nearer to the device can be reached
-    limited, ///< the tick's moves are used up, or an object of a scene is behind: the next tick goes on
+    limited, ///< moves are used up, or an object is behind (haptic_tools.md): the next tick goes on
     cut_short, ///< likewise its work, max_work: the proxy moved only as far as was proven by then
     overloaded ///< more triangles are near than there is memory for: the proxy stays where it is
                ///< until the device is free: then the force fades, and the tool is placed anew

@@ -1,5 +1,7 @@
 #include "arrays.h"
 
+#include "base/text.h"
+
 #include <algorithm>
 #include <limits>
 
@@ -121,8 +123,19 @@ bool holds_poses(const py::array& array)
            (array.shape(dimensions - 2) == 3 || array.shape(dimensions - 2) == 4);
 }
 
-/// Of 12 numbers, or 16.
-RigidTransform pose_at(std::span<const double> matrix, const std::string& name)
+/// Says that nearest rotations were taken, where more than the rounding of floats made them differ.
+void warn_of_rotations(double error)
+{
+    constexpr double rounding_of_floats = 1e-6;
+    if (!(error > rounding_of_floats)) return;
+    const std::string text =
+        concat("poses are up to ", error,
+               " (norm of R^T R - I) from rotations: the nearest rotations were used");
+    if (PyErr_WarnEx(PyExc_UserWarning, text.c_str(), 1) != 0) throw py::error_already_set();
+}
+
+/// Of 12 numbers, or 16. `error` becomes the largest one of a rotation.
+RigidTransform pose_at(std::span<const double> matrix, const std::string& name, double& error)
 {
     const bool whole = matrix.size() == 16;
     if (whole && (matrix[12] != 0 || matrix[13] != 0 || matrix[14] != 0 || matrix[15] != 1))
@@ -132,6 +145,7 @@ RigidTransform pose_at(std::span<const double> matrix, const std::string& name)
         pose.error().where = name;
         throw Failure(pose.error());
     }
+    error = std::max(error, rotation_error(matrix.first<12>()));
     return *pose;
 }
 
@@ -204,10 +218,12 @@ Poses poses_of(const py::object& object)
     const auto numbers = static_cast<std::size_t>(4 * array.shape(array.ndim() - 2));
     const auto count = static_cast<std::size_t>(array.size()) / numbers;
     Poses poses{{}, array.ndim() == 2};
+    double error = 0;
     for (std::size_t i = 0; i < count; ++i) {
         poses.poses.push_back(pose_at({array.data() + i * numbers, numbers},
-                                      poses.single ? "poses" : "pose " + std::to_string(i)));
+                                      poses.single ? "poses" : "pose " + std::to_string(i), error));
     }
+    warn_of_rotations(error);
     return poses;
 }
 
@@ -217,7 +233,11 @@ RigidTransform pose_of(const py::object& object)
     const py::array_t<double> array = doubles_of(object, "pose");
     if (!holds_poses(array) || array.ndim() != 2)
         refuse("pose", "must be one pose, of shape (3, 4) or (4, 4), has " + shape_text(array));
-    return pose_at({array.data(), static_cast<std::size_t>(array.size())}, "pose");
+    double error = 0;
+    const RigidTransform pose =
+        pose_at({array.data(), static_cast<std::size_t>(array.size())}, "pose", error);
+    warn_of_rotations(error);
+    return pose;
 }
 
 py::array vector_of(const Vec3& vector)

@@ -109,7 +109,7 @@ void bind_near(py::class_<MeshIndex>& index)
              py::arg("radius") = infinity, py::arg("progress") = py::none(),
              R"(The `count` triangles nearest to points (n, 3), as Nearest.
 
-By distance, equal ones by id. Where fewer are within the radius, the rest of the row is inf and -1.)")
+By squared distance, equal ones by id. Where fewer are within the radius, the rest of the row is inf and -1.)")
         .def("in_box", &in_box, py::arg("lower"), py::arg("upper"),
              "The triangles that have a point in common with a box, of corners (3,): (m,) int32, "
              "ascending. Exact.");

@@ -8,6 +8,7 @@ import sys
 import threading
 import time
 import tracemalloc
+import warnings
 
 import numpy as np
 import pytest
@@ -244,6 +245,23 @@ def test_poses_are_checked(index, poses, says):
     for ask in (index.intersect, index.distance_to):
         with pytest.raises(proxima.InvalidInput, match=says):
             ask(index, poses)
+
+
+def test_rounded_rotations_are_replaced_and_said(index):
+    turn = np.eye(4)
+    turn[:2, :2] = [[0.8, -0.6], [0.6, 0.8]]
+    rounded = turn.astype("f4")
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        assert index.distance_to(index, rounded).distance == index.distance_to(index, turn).distance
+    stretched = np.diag([1.0003, 1, 1, 1])
+    stretched[0, 3] = 3
+    with pytest.warns(UserWarning, match="nearest rotations"):
+        found = index.distance_to(index, [np.eye(4), stretched])
+    stretched[0, 0] = 1
+    assert found.distance[1] == pytest.approx(index.distance_to(index, stretched).distance, rel=1e-12)
+    with pytest.warns(UserWarning, match="nearest rotations"):
+        index.contour(index, np.diag([1.0003, 1, 1, 1]))
 
 
 def test_within(mesh, index, points):

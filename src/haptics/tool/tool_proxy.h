@@ -80,6 +80,11 @@ public:
 
     [[nodiscard]] const RigidTransform& pose() const noexcept { return pose_; }
     [[nodiscard]] ToolEnd end() const noexcept { return end_; }
+    /// Whether an object is behind and hardly moved in the last tick.
+    [[nodiscard]] bool is_held_up() const noexcept
+    {
+        return is_behind() && last_way_ < options_.clearance;
+    }
     [[nodiscard]] Hold hold() const noexcept;
     [[nodiscard]] const ToolWork& work() const noexcept { return work_; }
     [[nodiscard]] std::span<const HeldContact> contacts() const noexcept

@@ -24,6 +24,8 @@ namespace {
 constexpr double most_coordinate = 1e150;
 /// The clearance over the scene's size, at least: positions are rounded by 2^-52 of it.
 constexpr double least_clearance = 0x1p-30;
+/// An object that the tool holds up for longer lets it go, once the device is free.
+constexpr double most_held_up_seconds = 0.5;
 /// With less, a tick could not even prove short motions.
 constexpr std::size_t least_work = 100;
 
@@ -178,6 +180,7 @@ public:
         has_device_ = false;
         is_placed_ = false;
         lets_go_ = false;
+        held_up_seconds_ = 0;
         guard_.reset();
     }
 
@@ -195,7 +198,11 @@ public:
         if (lets_go_ && guard_.ramp() == 0) is_placed_ = false;
         const bool was_placed = std::exchange(is_placed_, is_placed_ || proxy_.place(device));
         if (is_placed_) proxy_.follow(device);
-        lets_go_ = is_placed_ && proxy_.end() == ToolEnd::overloaded && proxy_.is_free(device);
+        const bool is_held_up = is_placed_ && proxy_.is_held_up();
+        held_up_seconds_ = is_held_up ? held_up_seconds_ + seconds : 0;
+        const bool is_stuck =
+            proxy_.end() == ToolEnd::overloaded || held_up_seconds_ > most_held_up_seconds;
+        lets_go_ = is_placed_ && is_stuck && proxy_.is_free(device);
         write_proxy(device);
         pull(device, seconds, was_placed);
         return tick_;
@@ -323,8 +330,9 @@ private:
     double advanced_ = 0; ///< s: by which the scene moved on in this tick; 0 without one
     bool has_device_ = false;
     bool is_placed_ = false;
-    /// A crowd of triangles holds the proxy, while the device is free: the force fades, and then the
-    /// tool is placed anew.
+    double held_up_seconds_ = 0; ///< for which an object was behind and did not come on
+    /// A crowd of triangles holds the proxy, or an object does not come on, while the device is free: the
+    /// force fades, and then the tool is placed anew.
     bool lets_go_ = false;
 };
 

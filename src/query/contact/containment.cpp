@@ -164,13 +164,15 @@ bool encloses(const Enclosure& enclosure, const RigidTransform& pose, const Vec3
 {
     const EnclosureParts& parts = enclosure.parts();
     const IndexParts& index = parts.index.parts();
-    if (surely_outside(parts.bounds, pose, point)) return false;
+    // Layers of an open mesh, or triangles that face different ways, may wind about what is outside of
+    // their box.
     if (parts.method == InsideMethod::winding_number) {
         const Vec3 there = pose.inverse()(point);
         const auto triangle_at = [&](std::uint32_t row) { return index.triangle(row); };
         return winding::exceeds(parts.winding, triangle_at, there, 1, 0) ||
                winding::exceeds(parts.winding, triangle_at, there, -1, 0);
     }
+    if (surely_outside(parts.bounds, pose, point)) return false;
     int windings = 0;
     bool odd = false;
     visit_crossings(index, parts.bounds, pose, point, [&](std::uint32_t, int crossing) {

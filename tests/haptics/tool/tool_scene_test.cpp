@@ -245,6 +245,33 @@ TEST(ToolInScene, ObjectsThatSqueezeTheToolWait)
     EXPECT_NEAR(pushed.force.z(), stiffness * (-0.006 + 0.001 + clearance + half), force_error);
 }
 
+/// Such a tool goes on where the hand is, but not while it would be inside of something there.
+TEST(ToolInScene, ObjectsThatSqueezeTheToolLetItGoOnceTheDeviceIsFree)
+{
+    SceneBench bench(box_mesh(Vec3::Constant(half)));
+    const TriangleMesh plate = box_mesh({0.05, 0.05, 0.001});
+    const ObjectId below = bench.add(plate, pose_at({0, 0, -0.03}));
+    const ObjectId above = bench.add(plate, pose_at({0, 0, 0.03}));
+    bench.start(pose_at({0, 0, 0}));
+    bench.move(below, pose_at({0, 0, -0.006}), 0.1);
+    bench.move(above, pose_at({0, 0, 0.004}), 0.1);
+    const ToolTick squeezed = bench.rest(pose_at({0, 0, 0}), 2000);
+    EXPECT_TRUE(squeezed.is_placed);
+    EXPECT_NE(squeezed.end, ToolEnd::settled);
+    const RigidTransform outside = pose_at({0.004, 0, 0.03});
+    EXPECT_GT(bench.tick(outside).force.norm(), 1);
+    double last = HUGE_VAL;
+    for (int i = 0; i < 1000; ++i) {
+        const double force = bench.tick(outside).force.norm();
+        EXPECT_LE(force, last + force_error) << i; // it fades
+        last = force;
+    }
+    const ToolTick& free = bench.rest(outside, 1);
+    EXPECT_EQ(free.end, ToolEnd::settled);
+    EXPECT_EQ(free.force, Vec3(Vec3::Zero()));
+    EXPECT_EQ(free.proxy.translation, outside.translation);
+}
+
 TEST(ToolInScene, AtRestItFeelsLikeObjectsAtRest)
 {
     const TriangleMesh ball =

@@ -110,6 +110,34 @@ TEST(Containment, UsesAMethodThatFitsTheMesh)
     EXPECT_FALSE(build_enclosure(MeshIndex()));
 }
 
+/// Sheets one above the other wind about points that are beyond all of them: what is far away, and only widens the box, changes nothing.
+TEST(Containment, OfOpenMeshesGoesBeyondTheirBox)
+{
+    std::vector<Vec3> positions;
+    std::vector<TriangleCorners> triangles;
+    for (const double height : {0.0, 0.01, 0.02}) {
+        const auto first = static_cast<std::uint32_t>(positions.size());
+        for (const Vec3& p : {Vec3(-1, -1, 0), Vec3(1, -1, 0), Vec3(1, 1, 0), Vec3(-1, 1, 0)})
+            positions.push_back(p + Vec3(0, 0, height));
+        triangles.push_back({first, first + 2, first + 1});
+        triangles.push_back({first, first + 3, first + 2});
+    }
+    const Vec3 above(0.1, 0.2, 0.03);
+    const TriangleMesh sheets = mesh_of(positions, triangles);
+    EXPECT_GT(std::abs(brute_winding_number(sheets, above)), 1.4);
+    const auto first = static_cast<std::uint32_t>(positions.size());
+    for (const Vec3& p : {Vec3(0, 0, 5), Vec3(0.001, 0, 5), Vec3(0, 0.001, 5)})
+        positions.push_back(p);
+    triangles.push_back({first, first + 1, first + 2});
+    for (const TriangleMesh& mesh : {sheets, mesh_of(positions, triangles)}) {
+        const Enclosure enclosure = enclosure_of(mesh);
+        EXPECT_EQ(enclosure.method(), InsideMethod::winding_number);
+        EXPECT_TRUE(encloses(enclosure, {}, above));
+        EXPECT_FALSE(encloses(enclosure, {}, Vec3(0.1, 0.2, 3)));
+        EXPECT_FALSE(encloses(enclosure, {}, Vec3(5, 0, 0.01)));
+    }
+}
+
 /// Points in line with corners and edges, where a careless count of crossings is wrong.
 TEST(Containment, CountsCrossingsExactly)
 {
