@@ -234,7 +234,7 @@ RigidTransform pose_of(const py::object& object)
     if (!holds_poses(array) || array.ndim() != 2)
         refuse("pose", "must be one pose, of shape (3, 4) or (4, 4), has " + shape_text(array));
     double error = 0;
-    const RigidTransform pose =
+    RigidTransform pose =
         pose_at({array.data(), static_cast<std::size_t>(array.size())}, "pose", error);
     warn_of_rotations(error);
     return pose;

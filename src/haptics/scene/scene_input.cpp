@@ -73,9 +73,10 @@ Result<ObjectId> SceneInput::add(std::shared_ptr<const ContactBody> body,
                                  const RigidTransform& pose)
 {
     PROXIMA_CHECK(body != nullptr);
-    if (clock_.now() != 0)
+    if (clock_.now() != 0) {
         return fail(ErrorCode::invalid_argument,
                     "objects must be added before the scene's first tick");
+    }
     if (objects_.size() == max_scene_objects)
         return fail(ErrorCode::invalid_argument, "a scene cannot have more than 64 objects");
     if (!is_rigid(pose))

@@ -153,9 +153,8 @@ public:
                         const WorkspaceMap& map, const DeviceLimits& device,
                         const ToolRenderOptions& options)
         : view_(std::move(view)), map_(map), options_(options),
-          gives_torque_(device.max_torque > 0),
           proxy_(std::move(tool), std::move(objects), proxy_options(options, map)),
-          guard_(options, device)
+          guard_(options, device), gives_torque_(device.max_torque > 0)
     {}
 
     /// \pre check_tool_settings() holds, and the objects' poses are rigid
@@ -321,16 +320,16 @@ private:
     SceneView view_; ///< null without a scene
     WorkspaceMap map_;
     ToolRenderOptions options_;
-    bool gives_torque_;
     ToolProxy proxy_;
     ToolGuard guard_;
     ToolTick tick_;
-    Twist stretch_;       ///< of the last tick, in metres
-    Twist travel_;        ///< of the device in this tick, m and rad
-    double advanced_ = 0; ///< s: by which the scene moved on in this tick; 0 without one
+    Twist stretch_;              ///< of the last tick, in metres
+    Twist travel_;               ///< of the device in this tick, m and rad
+    double advanced_ = 0;        ///< s: by which the scene moved on in this tick; 0 without one
+    double held_up_seconds_ = 0; ///< for which an object was behind and did not come on
+    bool gives_torque_;
     bool has_device_ = false;
     bool is_placed_ = false;
-    double held_up_seconds_ = 0; ///< for which an object was behind and did not come on
     /// A crowd of triangles holds the proxy, or an object does not come on, while the device is free: the
     /// force fades, and then the tool is placed anew.
     bool lets_go_ = false;
