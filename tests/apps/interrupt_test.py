@@ -62,7 +62,7 @@ class Building(InterruptTest):
                        when=after(1))
 
     def test_fast_method(self):
-        self.interrupt("octree", "spaceship:4000000", "--depth", "14", *self.outputs(), when=after(4))
+        self.interrupt("octree", "spaceship:1000000", "--depth", "14", *self.outputs(), when=after(2))
 
     def test_termination(self):
         self.interrupt("octree", "spaceship:300000", "--depth", "10", "--method", "minkowski",
@@ -76,7 +76,7 @@ class Building(InterruptTest):
         self.interrupt("proximity", "sphere:300x300", "--save", self.folder / "a.pxi", when=after(1))
 
     def test_pairs(self):
-        self.interrupt("check", "spaceship:2000000", when=after(4))
+        self.interrupt("check", "spaceship:700000", when=after(1.5))
 
     def test_contours(self):
         # Each triangle meets all round it: 1.1 million pairs, then their contour.
@@ -88,8 +88,8 @@ class Building(InterruptTest):
     def test_pairs_of_cells(self):
         for options in (("--method", "thesis"), ("--cells",)):
             with self.subTest(options):
-                self.interrupt("intersect", "sphere:300x300", "sphere:300x300", "--pose", "0,0,0", "--depth", "9",
-                               *options, "--json", self.folder / "a.json", when=after(4))
+                self.interrupt("intersect", "sphere:200x200", "sphere:200x200", "--pose", "0,0,0", "--depth", "8",
+                               *options, "--json", self.folder / "a.json", when=after(1.5))
 
     def test_a_closed_terminal(self):
         self.interrupt("octree", "spaceship:300000", "--depth", "10", "--method", "pairwise", *self.outputs(),
