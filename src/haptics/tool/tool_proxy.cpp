@@ -28,6 +28,8 @@ constexpr double constraint_tolerance = 1e-4; ///< clearances
 /// Solutions of a motion that make up for the arcs of its contacts, and what they need not make up for.
 constexpr int max_arc_rounds = 2;
 constexpr double arc_tolerance = 0.1; ///< clearances
+/// Objects move alike that see the tool move by less, where one of them carries it.
+constexpr double carried_clearances = 1e-3;
 /// A contact slides that slips by more than so many clearances in a motion.
 constexpr double least_slip = 1e-3;
 /// Contacts that the solver with friction takes in a unit of work, in each of its steps.
@@ -50,7 +52,7 @@ ToolProxy::ToolProxy(RigidBody tool, std::vector<SeenObject> objects,
     open_.resize(max_pairs);
     contacts_.resize(max_contacts);
     constraints_.resize(max_contacts);
-    object_paths_.resize(objects_.size() * (most_moves + 1));
+    object_paths_.resize(objects_.size() * path_size);
 }
 
 void ToolProxy::set_object(std::size_t object, const RigidTransform& pose,
@@ -155,7 +157,7 @@ ToolProxy::Move ToolProxy::make_move(const Twist& twist, double part) noexcept
 void ToolProxy::keep_path() noexcept
 {
     for (std::size_t i = 0; i < objects_.size(); ++i)
-        object_paths_[i * (most_moves + 1) + path_count_] = objects_[i].pose;
+        object_paths_[i * path_size + path_count_] = objects_[i].pose;
     path_[path_count_++] = pose_;
 }
 
@@ -285,6 +287,56 @@ double ToolProxy::useful_part(const Move& motion, const Vec6& wanted) const noex
     return std::clamp(-0.5 * slope / bend, least_part, 1.0);
 }
 
+/// Takes tool and objects to where they are after that part of a move, of whose ways a share is made.
+void ToolProxy::make(const Move& whole, double share, const RigidTransform& to,
+                     double part) noexcept
+{
+    pose_ = to;
+    for (SeenObject& object : objects_) {
+        object.pose = object.stepped(part);
+        object.look_at(pose_);
+    }
+    last_way_ += share * whole.way;
+    last_seen_ += share * whole.seen;
+    travelled_ += share * whole.seen;
+    keep_path();
+}
+
+/// The object that presses the tool the most, or the only one; null where neither is behind.
+const SeenObject* ToolProxy::carrier() const noexcept
+{
+    const SeenObject* found = objects_.size() == 1 ? objects_.data() : nullptr;
+    double most = 0;
+    for (const HeldContact& held : contacts()) {
+        if (!(held.pressure > most)) continue;
+        most = held.pressure;
+        found = &objects_[held.object];
+    }
+    return found != nullptr && found->is_behind() ? found : nullptr;
+}
+
+/// Takes the tool along with the object that holds it, which sees no motion then: what is left of the
+/// tick is as if it were at rest. Where something may be in the way, nothing moves.
+void ToolProxy::carry() noexcept
+{
+    const SeenObject* const by = carrier();
+    if (by == nullptr || list_margin_ < 0) return;
+    const Mat3 turn = by->goal.rotation * by->pose.rotation.transpose();
+    const RigidTransform carried = {
+        Eigen::Quaterniond(turn * pose_.rotation).normalized().toRotationMatrix(),
+        by->goal.translation + turn * (pose_.translation - by->pose.translation)};
+    // With objects that move alike, as all of a train.
+    for (SeenObject& object : objects_) {
+        const double seen = twist_between(object.relative, object.seen_from_goal(carried))
+                                .path_length(tool_.features.reach());
+        object.begin_step(seen < carried_clearances * options_.clearance ? 1 : 0);
+    }
+    Move move = make_move(twist_between(pose_, carried), 1);
+    move.to = carried;
+    if (listed_part() < 1 || proven_part(by) < 1) return;
+    make(move, 1, carried, 1);
+}
+
 /// Moves tool and objects by what of that part of the move was proven to pass nothing. Returns the part.
 double ToolProxy::make_proven(const Move& motion, double part) noexcept
 {
@@ -301,17 +353,7 @@ double ToolProxy::make_proven(const Move& motion, double part) noexcept
         part *= proven;
         made = make_move(motion.twist, part);
     }
-    pose_ = made.to;
-    for (SeenObject& object : objects_) {
-        object.pose = object.stepped(part);
-        object.look_at(pose_);
-    }
-    const double share = objects_move_ ? 1 : part;
-    const Move& whole = objects_move_ ? made : motion;
-    last_way_ += share * whole.way;
-    last_seen_ += share * whole.seen;
-    travelled_ += share * whole.seen;
-    keep_path();
+    make(objects_move_ ? made : motion, objects_move_ ? 1 : part, made.to, part);
     return part;
 }
 
@@ -390,6 +432,7 @@ ToolEnd ToolProxy::approach() noexcept
 {
     const double expected = 2 * std::exchange(last_seen_, 0.0);
     last_way_ = 0;
+    carry();
     const double reach = tool_.features.reach();
     int still = 0; // moves in a row that came no nearer
     while (work_.moves < options_.max_moves && still < 2 && effort_.begin(0, begin_share)) {

@@ -80,10 +80,10 @@ public:
 
     [[nodiscard]] const RigidTransform& pose() const noexcept { return pose_; }
     [[nodiscard]] ToolEnd end() const noexcept { return end_; }
-    /// Whether an object is behind and hardly moved in the last tick.
+    /// Whether an object is behind that did not come on in the last tick, for all its work.
     [[nodiscard]] bool is_held_up() const noexcept
     {
-        return is_behind() && last_way_ < options_.clearance;
+        return end_ == ToolEnd::limited && is_behind() && last_way_ < options_.clearance;
     }
     [[nodiscard]] Hold hold() const noexcept;
     [[nodiscard]] const ToolWork& work() const noexcept { return work_; }
@@ -103,12 +103,15 @@ public:
     /// the twists between its relative poses.
     [[nodiscard]] std::span<const RigidTransform> object_path(std::size_t object) const noexcept
     {
-        return std::span(object_paths_).subspan(object * (most_moves + 1), path_count_);
+        return std::span(object_paths_).subspan(object * path_size, path_count_);
     }
 
     static constexpr std::size_t most_moves = 32;
 
 private:
+    /// Where a tick begins, where an object carried the tool to, and its moves.
+    static constexpr std::size_t path_size = most_moves + 2;
+
     enum class OpenPairs : std::uint8_t { all, unconstrained };
     enum class MoveEnd : std::uint8_t { settled, goes_on, overloaded };
 
@@ -130,6 +133,9 @@ private:
     [[nodiscard]] double way_of_objects() const noexcept;
     void step_objects(double part) noexcept;
     [[nodiscard]] Move make_move(const Twist& twist, double part) noexcept;
+    void make(const Move& whole, double share, const RigidTransform& to, double part) noexcept;
+    [[nodiscard]] const SeenObject* carrier() const noexcept;
+    void carry() noexcept;
     [[nodiscard]] double make_proven(const Move& motion, double part) noexcept;
     void keep_path() noexcept;
     [[nodiscard]] bool add_contacts(std::uint32_t pair, double nearest, double farthest) noexcept;
@@ -140,7 +146,7 @@ private:
     void solve_constraints(const Vec6& wanted) noexcept;
     [[nodiscard]] bool raise_bounds() noexcept;
     [[nodiscard]] Twist solve(const Vec6& wanted) noexcept;
-    [[nodiscard]] double proven_part() noexcept;
+    [[nodiscard]] double proven_part(const SeenObject* carrier = nullptr) noexcept;
     [[nodiscard]] MoveEnd move(const Twist& wanted) noexcept;
     [[nodiscard]] ToolEnd approach() noexcept;
     [[nodiscard]] double cost(const RigidTransform& pose, const Vec6& wanted,
@@ -172,8 +178,8 @@ private:
     ToolFriction friction_;
     std::array<HeldContact, 6> held_;
     std::size_t held_count_ = 0;
-    std::array<RigidTransform, most_moves + 1> path_;
-    std::vector<RigidTransform> object_paths_; ///< by object, most_moves + 1 each
+    std::array<RigidTransform, path_size> path_;
+    std::vector<RigidTransform> object_paths_; ///< by object, path_size each
     std::size_t path_count_ = 0;
     ConstrainedMotion solution_;
     double last_way_ = 0;  ///< of the last tick's path

@@ -243,13 +243,14 @@ bool ToolProxy::collect_hit(const Move& motion) noexcept
 }
 
 /// What of the objects' motions surely passes nothing: a contact that the constraints do not have is
-/// stopped at before it is too near.
-double ToolProxy::proven_part() noexcept
+/// stopped at before it is too near. An object that carries the tool sees no motion.
+double ToolProxy::proven_part(const SeenObject* carrier) noexcept
 {
     const double clearance = options_.clearance;
     const GapLimits limits = {0.95 * clearance, 0.9 * clearance, 0.5 * clearance};
     double part = 1;
     for (const SeenObject& object : objects_) {
+        if (&object == carrier) continue;
         part = std::min(part, free_part(open_pairs(object, limits.wanted, OpenPairs::all),
                                         object.motion, limits, effort_));
     }

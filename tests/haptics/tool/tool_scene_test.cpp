@@ -115,6 +115,46 @@ TEST(ToolInScene, AnObjectThatMovesWithTheDeviceFeelsLikeOneAtRest)
     }
 }
 
+/// A hand that strokes a floor and a wall, in a train of both.
+TEST(ToolInScene, ATrainFeelsLikeAHouse)
+{
+    const auto forces = [](const auto& train_at) {
+        SceneBench bench(box_mesh(Vec3::Constant(half)));
+        const RigidTransform floor = pose_at({0, 0, -0.01});
+        const RigidTransform wall = pose_at({0.06, 0, 0.05});
+        const ObjectId below = bench.add(box_mesh({0.1, 0.1, 0.01}), floor);
+        const ObjectId beside = bench.add(box_mesh({0.01, 0.1, 0.04}), wall);
+        const auto carried = [](const RigidTransform& train, const RigidTransform& pose) {
+            return RigidTransform{train.rotation * pose.rotation, train(pose.translation)};
+        };
+        bench.start(pose_at({0.03, 0, half + 0.001}));
+        std::vector<Vec3> felt;
+        for (int i = 0; i < 1000; ++i) {
+            const RigidTransform train = train_at(i);
+            bench.move(below, carried(train, floor), 0);
+            bench.move(beside, carried(train, wall), 0);
+            const double t = 6e-3 * i;
+            const RigidTransform hand = pose_at({0.03 + 0.015 * std::sin(t), 0.02 * std::sin(2 * t),
+                                                 half + 0.002 * std::cos(3 * t) - 0.001},
+                                                {0, 0, 0.1 * std::sin(t)});
+            felt.emplace_back(train.rotation.transpose() * bench.tick(carried(train, hand)).force);
+        }
+        return felt;
+    };
+    const auto house = forces([](int) { return RigidTransform{}; });
+    int touching = 0;
+    for (const Vec3& force : house) touching += force.norm() > 0 ? 1 : 0;
+    EXPECT_GT(touching, 500);
+    for (const double speed : {0.5, 5.0}) { // m/s, to and fro within the scene; as many rad/s
+        const auto train = forces([&](int i) {
+            const double way = 1e-3 * speed * (i % 100 < 50 ? i % 100 : 100 - i % 100);
+            return pose_at({way, -way, 0.5 * way}, {way, 0, 2 * way});
+        });
+        for (std::size_t i = 0; i < house.size(); ++i)
+            ASSERT_LT((train[i] - house[i]).norm(), 1e-3) << speed << " m/s, tick " << i;
+    }
+}
+
 /// However fast an object moves along that the device is inside of and touches nowhere.
 TEST(ToolInScene, FreeInsideOfAnObjectThatMovesItFeelsNothing)
 {
@@ -270,6 +310,27 @@ TEST(ToolInScene, ObjectsThatSqueezeTheToolLetItGoOnceTheDeviceIsFree)
     EXPECT_EQ(free.end, ToolEnd::settled);
     EXPECT_EQ(free.force, Vec3(Vec3::Zero()));
     EXPECT_EQ(free.proxy.translation, outside.translation);
+}
+
+/// A plate that turns below a tool squeezes nothing: where the work of ticks does not suffice, the tool stays on it.
+TEST(ToolInScene, WantOfWorkLetsNoToolGoThroughAPlate)
+{
+    const TriangleMesh tool =
+        moved(*sample_mesh("icosphere:3"), [](const Vec3& p) { return Vec3(0.01 * p); });
+    for (const Vec3& turn : {Vec3(0, 0, 3e-3), Vec3(0, 0, 0), Vec3(1e-4, 0, 1e-3)}) {
+        SceneBench bench(tool);
+        const ObjectId plate = bench.add(box_mesh({0.2, 0.2, 0.0005}), pose_at({0, 0, 0}));
+        ToolRenderOptions options = plain_springs();
+        options.max_work = 100;
+        bench.start(pose_at({0, 0, 0.02}), options);
+        for (int i = 0; i < 2000; ++i) {
+            const int turned = std::max(i - 500, 0);
+            bench.move(plate, pose_at({turned * 1e-5, 0, 0}, turned * turn), 0);
+            const double part = std::min(i / 400.0, 1.0);
+            const ToolTick& tick = bench.tick(pose_at({0.01 * part, 0, 0.02 - 0.05 * part}));
+            ASSERT_GT(tick.proxy.translation.z(), 0) << i;
+        }
+    }
 }
 
 TEST(ToolInScene, AtRestItFeelsLikeObjectsAtRest)
