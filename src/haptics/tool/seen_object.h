@@ -4,9 +4,9 @@
 //     pose    where the tool sees it, which follows the goal as far as it passes nothing
 //     step    from there towards the goal, while the tool makes a move
 //
-// An object that moves takes its pose in the first move of a tick, unless it would enter the tool and
-// the tool cannot give way: then it stays behind for the tool, and goes on in later ticks. All of a
-// pair's geometry is in the object's frame, in which the tool moves relative to it.
+// An object that moves takes the tool along or takes its pose in the first move of a tick, unless it would
+// enter the tool and the tool cannot give way: then it stays behind for the tool, and goes on in later
+// ticks. All of a pair's geometry is in the object's frame, in which the tool moves relative to it.
 #pragma once
 
 #include "haptics/tool/contact_features.h"

@@ -11,8 +11,8 @@
 // A tick repeats this until the proxy has come as near to the device as it can, or its moves are used
 // up: then the next tick goes on. The surfaces keep `clearance` apart, and half of it at the least.
 //
-// Objects that move do so with the tool (seen_object.h): constraints and proof are of the tool's motion
-// as each object sees it.
+// A tick begins with the tool carried along by the object that presses it the most. Other objects move in
+// its first move (seen_object.h): constraints and proof are of the tool's motion as each object sees it.
 #pragma once
 
 #include "haptics/tool/least_constraint.h"
