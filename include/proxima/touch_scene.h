@@ -306,7 +306,8 @@ public:
 
     [[nodiscard]] std::size_t object_count() const noexcept;
 
-    /// The pose of an object in this tick of the first renderer. noexcept. \pre the object was added
+    /// The pose of an object in this tick of the first renderer. A tool may see it where it was in an
+    /// earlier one (haptic_tools.md). noexcept. \pre the object was added
     [[nodiscard]] RigidTransform pose(ObjectId object) const noexcept;
 
     /// The velocity in the last tick of a point that moves with an object's pose, per second. noexcept.
