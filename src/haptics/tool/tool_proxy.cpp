@@ -321,10 +321,9 @@ void ToolProxy::carry() noexcept
 {
     const SeenObject* const by = carrier();
     if (by == nullptr || list_margin_ < 0) return;
-    const Mat3 turn = by->goal.rotation * by->pose.rotation.transpose();
-    const RigidTransform carried = {
-        Eigen::Quaterniond(turn * pose_.rotation).normalized().toRotationMatrix(),
-        by->goal.translation + turn * (pose_.translation - by->pose.translation)};
+    const Mat3 turned = by->goal.rotation * by->relative.rotation;
+    const RigidTransform carried = {Eigen::Quaterniond(turned).normalized().toRotationMatrix(),
+                                    by->goal(by->relative.translation)};
     // With objects that move alike, as all of a train.
     for (SeenObject& object : objects_) {
         const double seen = twist_between(object.relative, object.seen_from_goal(carried))
