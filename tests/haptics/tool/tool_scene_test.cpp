@@ -312,27 +312,6 @@ TEST(ToolInScene, ObjectsThatSqueezeTheToolLetItGoOnceTheDeviceIsFree)
     EXPECT_EQ(free.proxy.translation, outside.translation);
 }
 
-/// A plate that turns below a tool squeezes nothing: where the work of ticks does not suffice, the tool stays on it.
-TEST(ToolInScene, WantOfWorkLetsNoToolGoThroughAPlate)
-{
-    const TriangleMesh tool =
-        moved(*sample_mesh("icosphere:3"), [](const Vec3& p) { return Vec3(0.01 * p); });
-    for (const Vec3& turn : {Vec3(0, 0, 3e-3), Vec3(0, 0, 0), Vec3(1e-4, 0, 1e-3)}) {
-        SceneBench bench(tool);
-        const ObjectId plate = bench.add(box_mesh({0.2, 0.2, 0.0005}), pose_at({0, 0, 0}));
-        ToolRenderOptions options = plain_springs();
-        options.max_work = 100;
-        bench.start(pose_at({0, 0, 0.02}), options);
-        for (int i = 0; i < 2000; ++i) {
-            const int turned = std::max(i - 500, 0);
-            bench.move(plate, pose_at({turned * 1e-5, 0, 0}, turned * turn), 0);
-            const double part = std::min(i / 400.0, 1.0);
-            const ToolTick& tick = bench.tick(pose_at({0.01 * part, 0, 0.02 - 0.05 * part}));
-            ASSERT_GT(tick.proxy.translation.z(), 0) << i;
-        }
-    }
-}
-
 TEST(ToolInScene, AtRestItFeelsLikeObjectsAtRest)
 {
     const TriangleMesh ball =
