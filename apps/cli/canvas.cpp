@@ -50,24 +50,26 @@ Color srgb(unsigned hex)
             from_srgb_byte(hex & 0xFFU)};
 }
 
-Canvas::Canvas(int width, int height, const Progress* progress)
+Canvas::Canvas(int width, int height, const Background& background, const Progress* progress)
     : progress_(progress), width_(width), height_(height), columns_(width * samples_per_axis),
       rows_(height * samples_per_axis),
-      colors_(static_cast<std::size_t>(columns_) * static_cast<std::size_t>(rows_)),
-      nearness_(colors_.size()), line_nearness_(colors_.size())
+      samples_(static_cast<std::size_t>(columns_) * static_cast<std::size_t>(rows_)),
+      colors_(std::make_unique_for_overwrite<Color[]>(samples_)),
+      nearness_(std::make_unique_for_overwrite<float[]>(samples_)),
+      line_nearness_(std::make_unique_for_overwrite<float[]>(samples_))
 {
-    fill_background(Color::Ones(), Color::Ones());
+    fill(background);
 }
 
-void Canvas::fill_background(const Color& top, const Color& bottom)
+void Canvas::fill(const Background& background)
 {
-    std::ranges::fill(nearness_, 0.0F);
-    std::ranges::fill(line_nearness_, 0.0F);
-    for (int y = 0; y < rows_; ++y) {
+    for (int y = 0; y < rows_ && !stopped(); ++y) {
         const float part = (static_cast<float>(y) + 0.5F) / static_cast<float>(rows_);
-        const Color color = (1.0F - part) * top + part * bottom;
-        std::fill_n(colors_.begin() + static_cast<std::ptrdiff_t>(sample_index(0, y)), columns_,
-                    color);
+        const Color color = (1.0F - part) * background.top + part * background.bottom;
+        const std::size_t first = sample_index(0, y);
+        std::fill_n(&colors_[first], columns_, color);
+        std::fill_n(&nearness_[first], columns_, 0.0F);
+        std::fill_n(&line_nearness_[first], columns_, 0.0F);
     }
 }
 
@@ -177,7 +179,7 @@ void Canvas::darken_creases(double radius, float strength)
     // over samples and neighbours smooths.
     constexpr int directions = 12;
     constexpr double golden_angle = 2.399963229728653;
-    std::vector<float> light(colors_.size(), 1.0F);
+    const auto light = std::make_unique_for_overwrite<float[]>(samples_); // the background's not
     for (int y = 0; y < rows_ && !stopped(); ++y) {
         for (int x = 0; x < columns_; ++x) {
             const float here = nearness_[sample_index(x, y)];
@@ -245,7 +247,8 @@ Image Canvas::image() const
     return image;
 }
 
-Result<Canvas> make_canvas(int width, int height, const Progress* progress, MemoryBudget budget)
+Result<Canvas> make_canvas(int width, int height, const Background& background,
+                           const Progress* progress, MemoryBudget budget)
 {
     constexpr std::uint64_t samples = std::uint64_t{samples_per_axis} * samples_per_axis;
     constexpr std::uint64_t sample_bytes = sizeof(Color) + 3 * sizeof(float); // and its creases
@@ -255,7 +258,7 @@ Result<Canvas> make_canvas(int width, int height, const Progress* progress, Memo
                                      "drawing the picture", "ask for a smaller picture");
         !status)
         return tl::unexpected(status.error());
-    return Canvas(width, height, progress);
+    return Canvas(width, height, background, progress);
 }
 
 } // namespace proxima

@@ -1,7 +1,6 @@
 // A small software renderer: triangles with a depth buffer, then lines over them, averaged down.
 //
-//     Canvas canvas(1600, 1200);
-//     canvas.fill_background(top, bottom);
+//     Canvas canvas(1600, 1200, {top, bottom});
 //     canvas.draw_triangle({a, b, c});       // vertices as Camera::project gives them, with colour
 //     canvas.draw_line(a, b, color, style);
 //     const Image image = canvas.image();
@@ -14,7 +13,8 @@
 #include "proxima/result.h"
 
 #include <array>
-#include <vector>
+#include <cstddef>
+#include <memory>
 
 namespace proxima {
 
@@ -46,14 +46,18 @@ struct LineStyle {
     double lift = 0.0; ///< part of the distance by which it is drawn nearer
 };
 
+/// A vertical gradient.
+struct Background {
+    Color top = Color::Ones();
+    Color bottom = Color::Ones();
+};
+
 class Canvas {
 public:
     /// Once `progress`, where given, is cancelled, nothing more is drawn: what there is then is no
     /// picture. \pre both positive
-    Canvas(int width, int height, const Progress* progress = nullptr);
-
-    /// A vertical gradient; forgets what was drawn.
-    void fill_background(const Color& top, const Color& bottom);
+    Canvas(int width, int height, const Background& background = {},
+           const Progress* progress = nullptr);
 
     /// Fills the triangle where nothing drawn before is nearer. Parts outside the canvas are cut.
     /// \pre all three in front of the eye
@@ -80,6 +84,8 @@ public:
     [[nodiscard]] Image image() const;
 
 private:
+    void fill(const Background& background);
+
     /// Calls put(sample, nearness, u, v, w) for all samples that the triangle covers.
     template <class Put>
     void cover(const std::array<ScreenPoint, 3>& triangle, const Put& put) const;
@@ -97,14 +103,17 @@ private:
     int height_;
     int columns_; // samples across
     int rows_;    // samples down
-    std::vector<Color> colors_;
-    std::vector<float> nearness_;      // of triangles drawn, 0 = background
-    std::vector<float> line_nearness_; // of panes
+    std::size_t samples_;
+    // Written row by row: to touch all of a large picture takes seconds.
+    std::unique_ptr<Color[]> colors_;
+    std::unique_ptr<float[]> nearness_;      // of triangles drawn, 0 = background
+    std::unique_ptr<float[]> line_nearness_; // of panes
 };
 
 /// A canvas that, with the picture made of it, fits the budget: about 100 bytes a pixel. Error:
 /// budget_exceeded.
-[[nodiscard]] Result<Canvas> make_canvas(int width, int height, const Progress* progress = nullptr,
+[[nodiscard]] Result<Canvas> make_canvas(int width, int height, const Background& background = {},
+                                         const Progress* progress = nullptr,
                                          MemoryBudget budget = {});
 
 } // namespace proxima

@@ -95,9 +95,9 @@ Status write_deviation_ply(const TriangleMesh& mesh, const VertexDeviations& dev
 Result<Image> draw_deviation(const TriangleMesh& mesh, const VertexDeviations& deviations,
                              const CameraChoice& view, Progress* progress)
 {
-    auto canvas = make_canvas(view.size.width, view.size.height, progress);
+    auto canvas =
+        make_canvas(view.size.width, view.size.height, {srgb(0xFBFCFE), srgb(0xE3E8EF)}, progress);
     if (!canvas) return tl::unexpected(canvas.error());
-    canvas->fill_background(srgb(0xFBFCFE), srgb(0xE3E8EF));
     const auto camera = placed_camera(view, points_to_frame(mesh.positions()));
     if (!camera) return tl::unexpected(camera.error());
     const auto color_of = [&](TriangleId id) {

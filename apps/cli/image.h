@@ -27,8 +27,7 @@ struct Image {
     }
 };
 
-/// Writes `image` as PNG, whole or not at all. Errors: file_not_writable, cancelled (not while the
-/// bytes are packed: a quarter of a second for 1600x1200).
+/// Writes `image` as PNG, whole or not at all. Errors: file_not_writable, cancelled.
 [[nodiscard]] Status write_png(const Image& image, const std::string& path,
                                Progress* progress = nullptr);
 

@@ -86,11 +86,10 @@ Legend legend_of(const IntersectionScene& scene)
 Result<Image> draw_intersection(const IntersectionScene& scene, const PictureOptions& options)
 {
     const ViewSize size = options.view.size;
-    auto drawn =
-        make_canvas(size.width, size.height, options.execution.progress, options.execution.budget);
+    auto drawn = make_canvas(size.width, size.height, {srgb(0xFBFCFE), srgb(0xE3E8EF)},
+                             options.execution.progress, options.execution.budget);
     if (!drawn) return tl::unexpected(drawn.error());
     Canvas& canvas = *drawn;
-    canvas.fill_background(srgb(0xFBFCFE), srgb(0xE3E8EF));
     const TriangleMesh mesh_b = moved(scene.mesh_b, scene.pose_b);
     const std::vector<BoxCorners> boxes_a =
         boxes_of(scene.octree_a, scene.leaves, &LeafPair::a, {});

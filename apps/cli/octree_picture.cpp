@@ -152,11 +152,10 @@ Result<Image> draw_octree(const Octree& octree, const TriangleMesh& mesh,
                           const PictureOptions& options)
 {
     const ViewSize size = options.view.size;
-    auto drawn =
-        make_canvas(size.width, size.height, options.execution.progress, options.execution.budget);
+    auto drawn = make_canvas(size.width, size.height, {srgb(0xFBFCFE), srgb(0xE3E8EF)},
+                             options.execution.progress, options.execution.budget);
     if (!drawn) return tl::unexpected(drawn.error());
     Canvas& canvas = *drawn;
-    canvas.fill_background(srgb(0xFBFCFE), srgb(0xE3E8EF));
     const std::vector<Leaf> leaves = occupied_leaves(octree, options);
     std::vector<Vec3> shown;
     const auto show = [&](const Box& box) {

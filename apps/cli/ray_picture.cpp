@@ -7,21 +7,23 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
-#include <iterator>
+#include <cstdint>
+#include <memory>
 #include <vector>
 
 namespace proxima {
 
 namespace {
 
-void put_pixel(Image& image, std::size_t pixel, const Color& color)
+void add_pixel(Image& image, const Color& color)
 {
-    for (std::size_t channel = 0; channel < 3; ++channel) {
+    for (int channel = 0; channel < 3; ++channel) {
         // sRGB by its exponent alone: near enough for pictures.
-        const float linear = std::clamp(color[static_cast<int>(channel)], 0.0F, 1.0F);
-        image.bytes[3 * pixel + channel] =
-            static_cast<std::uint8_t>(std::lround(255 * std::pow(linear, 1 / 2.2F)));
+        const float linear = std::clamp(color[channel], 0.0F, 1.0F);
+        image.bytes.push_back(
+            static_cast<std::uint8_t>(std::lround(255 * std::pow(linear, 1 / 2.2F))));
     }
 }
 
@@ -44,26 +46,40 @@ Color heat(float share)
     return color;
 }
 
-/// What one in a hundred of the weights above zero exceeds, so that a few do not darken the rest;
-/// 1 where there are none.
-float usual_most(const std::vector<float>& weights)
-{
-    std::vector<float> seen;
-    std::copy_if(weights.begin(), weights.end(), std::back_inserter(seen),
-                 [](float weight) { return weight > 0; });
-    if (seen.empty()) return 1;
-    const auto position = seen.begin() + static_cast<std::ptrdiff_t>((seen.size() - 1) * 99 / 100);
-    std::nth_element(seen.begin(), position, seen.end());
-    return *position;
-}
+/// What one in a hundred of the weights above zero exceeds, to a two-thousandth of it, so that a few
+/// do not darken the rest; 1 where there are none.
+class UsualMost {
+public:
+    void add(float weight)
+    {
+        if (!(weight > 0)) return;
+        ++counts_[std::bit_cast<std::uint32_t>(weight) >> dropped_bits];
+        ++all_;
+    }
+
+    [[nodiscard]] float value() const
+    {
+        if (all_ == 0) return 1;
+        std::uint64_t below = (all_ - 1) * 99 / 100;
+        std::uint32_t at = 0;
+        while (below >= counts_[at]) below -= counts_[at++];
+        return std::bit_cast<float>(at << dropped_bits);
+    }
+
+private:
+    // The bits of numbers above zero have the order of the numbers. The first 20 of them count.
+    static constexpr unsigned dropped_bits = 12;
+    std::vector<std::uint32_t> counts_ = std::vector<std::uint32_t>(1U << (32 - dropped_bits));
+    std::uint64_t all_ = 0;
+};
 
 } // namespace
 
 Image empty_image(ViewSize size)
 {
     Image image{size.width, size.height, {}};
-    image.bytes.resize(3 * static_cast<std::size_t>(size.width) *
-                       static_cast<std::size_t>(size.height));
+    image.bytes.reserve(3 * static_cast<std::size_t>(size.width) *
+                        static_cast<std::size_t>(size.height));
     return image;
 }
 
@@ -72,7 +88,7 @@ Image draw_weights(const Octree& octree, const RayList& rays, ViewSize size, Thr
 {
     const auto width = static_cast<std::size_t>(size.width);
     const auto height = static_cast<std::size_t>(size.height);
-    std::vector<float> weights(width * height, 0.0F);
+    const auto weights = std::make_unique_for_overwrite<float[]>(width * height);
     begin_stage(progress, "casting rays", height);
     parallel_for(height, threads, [&](std::size_t y) {
         if (is_cancelled(progress)) return;
@@ -88,33 +104,40 @@ Image draw_weights(const Octree& octree, const RayList& rays, ViewSize size, Thr
         }
         advance_stage(progress, 1);
     });
-    const float full = usual_most(weights);
     Image image = empty_image(size);
-    for (std::size_t pixel = 0; pixel < weights.size(); ++pixel) {
-        const Color color = heat(weights[pixel] / full);
-        for (std::size_t channel = 0; channel < 3; ++channel) {
-            image.bytes[3 * pixel + channel] =
-                static_cast<std::uint8_t>(std::lround(255 * color[static_cast<int>(channel)]));
-        }
+    UsualMost most;
+    StageSteps steps(progress, "drawing the weights", 2 * width * height);
+    for (std::size_t pixel = 0; pixel < width * height; ++pixel) {
+        most.add(weights[pixel]);
+        if (!steps.done(1)) return image;
     }
+    const float full = most.value();
+    for (std::size_t pixel = 0; pixel < width * height; ++pixel) {
+        const Color color = heat(weights[pixel] / full);
+        for (int channel = 0; channel < 3; ++channel) {
+            image.bytes.push_back(static_cast<std::uint8_t>(std::lround(255 * color[channel])));
+        }
+        if (!steps.done(1)) return image;
+    }
+    steps.finish();
     return image;
 }
 
 void draw_hits(const TriangleMesh& mesh, std::span<const Ray> rays,
-               std::span<const std::optional<RayHit>> hits, std::size_t first, Image& image)
+               std::span<const std::optional<RayHit>> hits, Image& image)
 {
     const Color background = srgb(0xF1F4F8);
     const Color front = srgb(0xE9D8B8);
     const Color back = srgb(0x7FA6C9);
     for (std::size_t i = 0; i < hits.size(); ++i) {
         if (!hits[i]) {
-            put_pixel(image, first + i, background);
+            add_pixel(image, background);
             continue;
         }
         const Vec3 normal = scaled_normal(mesh.triangle(hits[i]->triangle)).stableNormalized();
         const double cosine = -normal.dot(rays[i].direction);
         const auto light = static_cast<float>(0.06 + 0.94 * std::abs(cosine));
-        put_pixel(image, first + i, (cosine >= 0 ? front : back) * light);
+        add_pixel(image, (cosine >= 0 ? front : back) * light);
     }
 }
 

@@ -154,7 +154,7 @@ Status cast_at_triangles(const RaycastOptions& options, Casting& casting, Sessio
             casting.seconds += watch.seconds();
             casting.hits += static_cast<std::uint64_t>(
                 std::ranges::count_if(hits, [](const auto& hit) { return hit.has_value(); }));
-            if (draws) draw_hits(casting.mesh, rays, hits, first, image);
+            if (draws) draw_hits(casting.mesh, rays, hits, image);
             const auto rows = [&](std::size_t begin, std::size_t end) {
                 return hit_rows(writer->format(), first + begin,
                                 std::span(hits).subspan(begin, end - begin));

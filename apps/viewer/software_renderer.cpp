@@ -63,10 +63,10 @@ public:
 
     Result<Image> render(const DrawnScene& scene, const OrbitCamera& camera, ViewSize size) override
     {
-        auto drawn = make_canvas(size.width, size.height, progress_);
+        auto drawn = make_canvas(size.width, size.height,
+                                 {scene.background_top, scene.background_bottom}, progress_);
         if (!drawn) return tl::unexpected(drawn.error());
         Canvas& canvas = *drawn;
-        canvas.fill_background(scene.background_top, scene.background_bottom);
         const View view(camera, size);
         const Lamps lamps(view.right(), view.up(), view.back());
         std::vector<Blended> blended;

@@ -23,18 +23,17 @@ std::array<ScreenVertex, 3> half(const Color& color, double nearness)
 
 TEST(Canvas, IsMadeWithinABudget)
 {
-    const auto made = make_canvas(1000, 1000, nullptr, {.bytes = 110'000'000});
+    const auto made = make_canvas(1000, 1000, {}, nullptr, {.bytes = 110'000'000});
     ASSERT_TRUE(made);
-    const auto refused = make_canvas(8192, 8192, nullptr, {.bytes = 110'000'000});
+    const auto refused = make_canvas(8192, 8192, {}, nullptr, {.bytes = 110'000'000});
     ASSERT_FALSE(refused);
     EXPECT_EQ(refused.error().code, ErrorCode::budget_exceeded);
 }
 
 TEST(Canvas, ColoursSurviveConversionToLinearLightAndBack)
 {
-    Canvas canvas(1, 1);
     for (const unsigned hex : {0x000000U, 0x123456U, 0x808080U, 0xFEDCBAU, 0xFFFFFFU}) {
-        canvas.fill_background(srgb(hex), srgb(hex));
+        const Canvas canvas(1, 1, {srgb(hex), srgb(hex)});
         const Pixel expected = {static_cast<std::uint8_t>(hex >> 16U),
                                 static_cast<std::uint8_t>(hex >> 8U & 0xFFU),
                                 static_cast<std::uint8_t>(hex & 0xFFU)};

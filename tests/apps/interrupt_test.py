@@ -69,8 +69,16 @@ class Building(InterruptTest):
                        *self.outputs(), when=after(1), sent=signal.SIGTERM)
 
     def test_rays(self):
-        self.interrupt("raycast", "cube", "--size", "16384x16384", "--picture", self.folder / "a.png", when=after(2))
+        self.interrupt("raycast", "cube", "--size", "16384x16384", "--picture", self.folder / "a.png", when=after(1))
         self.interrupt("raycast", "torus:200x100", "--size", "4000x4000", "--depth", "8", "--cells", "--out", self.folder / "a.csv", when=after(1))
+
+    def test_pictures(self):
+        # While the canvas is laid out, drawn on, and packed as PNG.
+        for seconds in (0.3, 1, 2):
+            with self.subTest(seconds):
+                self.interrupt("octree", "icosphere:5", "--size", "8000x8000", "--picture", self.folder / "a.png",
+                               when=after(seconds))
+        self.interrupt("raycast", "cube", "--size", "16384x16384", "--picture", self.folder / "a.png", when=after(0.3))
 
     def test_closest_features(self):
         self.interrupt("proximity", "sphere:300x300", "--save", self.folder / "a.pxi", when=after(1))

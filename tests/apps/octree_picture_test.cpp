@@ -43,7 +43,7 @@ TEST_F(OctreePicture, IsWrittenWholeOrNotAtAll)
     const auto before = testing::files_in(folder());
     testing::cancel_at_every_stage(
         [&](Progress& progress) { return write_png(*image, path("a.png"), &progress); },
-        [&] { return testing::files_in(folder()) == before; }, 1);
+        [&] { return testing::files_in(folder()) == before; }, 2);
 }
 
 TEST_F(OctreePicture, ShowsOnlyTheCellsWithoutAMesh)
