@@ -163,7 +163,7 @@ class Mouse(WindowTest):
         self.close(window)
 
     def test_pick_and_size(self):
-        window = self.open("icosphere:4")
+        window = self.open("icosphere:4", "--size", "1280x820")
         window.settled()
         x, y = window.middle()
         self.screen.act("mousemove", x, y, "click", 1)

@@ -87,8 +87,9 @@ class Window:
     def __init__(self, screen, folder, *arguments):
         self.screen = screen
         self._file = Path(folder) / "state.json"
+        size = [] if "--size" in arguments else ["--size", "900x900"]  # the processor draws every pixel
         self._program = subprocess.Popen(
-            [PROXIMA, "view", *map(str, arguments), "--state", str(self._file), "--gl-debug"],
+            [PROXIMA, "view", *map(str, arguments), *size, "--state", str(self._file), "--gl-debug"],
             env=environment_of_program(screen.environment), text=True, stdout=subprocess.PIPE, stderr=subprocess.PIPE)
         self._clicked = 0.0  # when a click was seen last
         self.wait(lambda state: state["frames"] > 2, "the first frames")

@@ -18,6 +18,11 @@ constexpr int parameter_count = 5;
 /// A friction below this, N, is rounding.
 constexpr double least_friction = 1e-6;
 
+/// Parts of the sum of squares: fits of delays that come into question go on as long as a round takes
+/// more than the second, others the first.
+constexpr double roughly = 1e-4;
+constexpr double exactly = 1e-7;
+
 using Parameters = Eigen::Matrix<double, parameter_count, 1>;
 using Normal = Eigen::Matrix<double, parameter_count, parameter_count>;
 
@@ -153,8 +158,9 @@ public:
         }
     }
 
-    /// Improves the parameters for a delay; returns the sum of squares.
-    double improve(Parameters& p, int delay, int rounds)
+    /// Improves the parameters for a delay, until a round takes no more than a part `least_gain` from
+    /// the sum of squares, which it returns.
+    double improve(Parameters& p, int delay, int rounds, double least_gain)
     {
         double lambda = 1e-3;
         residuals_of(p, delay, residuals_);
@@ -174,7 +180,7 @@ public:
                 residuals_of(next, delay, trial_);
                 const double sum = sum_of_squares(trial_);
                 if (sum < best) {
-                    better = best - sum > 1e-7 * best;
+                    better = best - sum > least_gain * best;
                     best = sum;
                     p = next;
                     std::swap(residuals_, trial_);
@@ -293,7 +299,7 @@ MotionFit fit_motion(std::span<const Push> pushes, const MotionFitOptions& optio
         p[0] = 1 / mass;
         p[1] = 2;
         p[2] = 0.5;
-        const double sum = fit.improve(p, 2, 6);
+        const double sum = fit.improve(p, 2, 6, roughly);
         if (sum < least) {
             least = sum;
             start = p;
@@ -305,7 +311,7 @@ MotionFit fit_motion(std::span<const Push> pushes, const MotionFitOptions& optio
     // From the start, and from the solutions of the delays beside it, so that no delay is judged by a
     // local minimum.
     const auto try_from = [&](std::size_t delay, Parameters p) {
-        const double sum = fit.improve(p, static_cast<int>(delay), 12);
+        const double sum = fit.improve(p, static_cast<int>(delay), 12, roughly);
         if (!(sum < sums[delay])) return;
         sums[delay] = sum;
         solutions[delay] = p;
@@ -316,22 +322,30 @@ MotionFit fit_motion(std::span<const Push> pushes, const MotionFitOptions& optio
     }
     for (std::size_t delay = count_of_delays - 1; delay-- > 0;)
         try_from(delay, solutions[delay + 1]);
-    const auto best = static_cast<std::size_t>(std::ranges::min_element(sums) - sums.begin());
-    result.delay = result.least_delay = result.most_delay = static_cast<int>(best);
-    Parameters& found = solutions[best];
-    sums[best] = fit.improve(found, result.delay, 40);
-    if (!(found[0] > 0)) return result;
 
     // Errors of neighbouring samples of a slow motion through encoder steps are alike: as many are
     // independent as the motion crosses steps. A tenth of the samples is less than that.
     const auto count = static_cast<double>(fit.count());
     const double independent = std::max(count / 10, 2.0 * parameter_count);
     const double rounding = options.resolution * options.resolution / 12;
-    const double variance = std::max(sums[best] / count, rounding);
+    const auto variance_of = [&](double sum) { return std::max(sum / count, rounding); };
+    // Twice the logarithm of the likelihood's ratio; what excludes a delay at a per mille.
+    const auto excess = [&](std::size_t delay, double least_sum) {
+        return independent * (sums[delay] - least_sum) / (count * variance_of(least_sum));
+    };
+    constexpr double excludes = 10.8;
+    const double rough_sum = std::ranges::min(sums);
     for (std::size_t delay = 0; delay < sums.size(); ++delay) {
-        // Twice the logarithm of the likelihood's ratio; 10.8 excludes at a per mille.
-        const double excess = independent * (sums[delay] - sums[best]) / (count * variance);
-        if (excess > 10.8) continue;
+        if (excess(delay, rough_sum) > 10 * excludes) continue;
+        sums[delay] = fit.improve(solutions[delay], static_cast<int>(delay), 40, exactly);
+    }
+    const auto best = static_cast<std::size_t>(std::ranges::min_element(sums) - sums.begin());
+    result.delay = result.least_delay = result.most_delay = static_cast<int>(best);
+    const Parameters& found = solutions[best];
+    if (!(found[0] > 0)) return result;
+    const double variance = variance_of(sums[best]);
+    for (std::size_t delay = 0; delay < sums.size(); ++delay) {
+        if (excess(delay, sums[best]) > excludes) continue;
         result.least_delay = std::min(result.least_delay, static_cast<int>(delay));
         result.most_delay = std::max(result.most_delay, static_cast<int>(delay));
     }
