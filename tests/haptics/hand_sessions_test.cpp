@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 
 #include <string>
+#include <tuple>
 #include <vector>
 
 namespace proxima::hand_sessions_test {
@@ -97,6 +98,44 @@ TEST(HandSessions, TapTenTimesASecondAtTheGreatestStiffnessOfADesktop)
         EXPECT_GT(outcome.swings.damped_ticks, 0U) << session.name;
     }
     EXPECT_GT(taps, 10);
+}
+
+TEST(HandSessions, SlowTapsAreNoBounces)
+{
+    // A hand that moves to and fro in the air and touches at the end of its way: its flights are as long as
+    // those of a device that bounces by itself.
+    const SwingWall wall(WallSides::one);
+    int sessions = 0;
+    for (const auto& [name, stiffness, damping] :
+         {std::tuple("omni", 500.0, 1.0), std::tuple("omni", 1000.0, 1.0),
+          std::tuple("falcon", 1500.0, 2.0), std::tuple("omega", 5000.0, 2.0)}) {
+        for (const double mass : {0.05, 0.1, 0.35}) {
+            for (const double rate : {0.5, 1.0, 2.0}) {
+                for (const double way : {0.002, 0.006}) {
+                    for (const double above : {0.6, 0.9}) {
+                        HandModel hand;
+                        hand.mass = mass;
+                        hand.hand_damping = 20;
+                        const HandSession session = {
+                            "taps",
+                            *find_device(name),
+                            stiffness,
+                            damping,
+                            0,
+                            hand,
+                            testing::tapping(rate, (1 - above) * way, above, 0.55, 3)};
+                        const HandOutcome outcome = run_hand_session(wall, session, 15);
+                        EXPECT_EQ(outcome.swings.damped_ticks, 0U)
+                            << name << ' ' << stiffness << ' ' << mass << ' ' << rate << ' ' << way
+                            << ' ' << above;
+                        EXPECT_GT(outcome.greatest_force, 0.05);
+                        ++sessions;
+                    }
+                }
+            }
+        }
+    }
+    RecordProperty("sessions", sessions);
 }
 
 TEST(HandSessions, ObservingLeavesTheForce)

@@ -162,6 +162,65 @@ TEST(SwingResponse, TrustsAHandThatMovesThoughTheContactTakesEnergy)
     EXPECT_TRUE(stays_damped(-1, 2)) << "the longest motion tells";
 }
 
+/// Bounces on one wall, each of which gives so much of the 10 units of its motion.
+class Bounced {
+public:
+    void bounce(double speed_in, double speed_out, double given = 2, double flight = 0.5,
+                double contact_seconds = 0.02)
+    {
+        const auto judge = [&](const Bounce& bounce) {
+            response.judge_bounce(motions_, motions_[0], bounce, sums_, contact, tick_seconds);
+        };
+        judge({.touched = true});
+        sums_ = sums_of(sums_.given[0] + given, sums_.motion + 10);
+        judge({.left = true,
+               .flight = flight,
+               .contact = contact_seconds,
+               .speed_in = speed_in,
+               .speed_out = speed_out});
+    }
+
+    SwingResponse response;
+
+private:
+    std::array<WatchedMotion, 1> motions_;
+    EnergySums sums_;
+};
+
+TEST(SwingResponse, AnswersBouncesThatAWallMakesFaster)
+{
+    Bounced slowly;
+    for (int i = 0; i < 3; ++i) slowly.bounce(0.3, 0.35);
+    EXPECT_FALSE(slowly.response.acts());
+    slowly.bounce(0.3, 0.35);
+    EXPECT_EQ(slowly.response.damping(), contact.most_damping); // the contact is brief
+    slowly.bounce(0.3, 0.35);                                   // it goes on
+    EXPECT_EQ(slowly.response.softness(), 0.7);
+    Bounced strongly;
+    for (int i = 0; i < 2; ++i) strongly.bounce(0.3, 0.48);
+    EXPECT_TRUE(strongly.response.acts());
+}
+
+TEST(SwingResponse, LeavesBouncesThatNoWallMakesFaster)
+{
+    const auto acts = [](auto&&... bounce) {
+        Bounced bounced;
+        for (int i = 0; i < 20; ++i) bounced.bounce(bounce...);
+        return bounced.response.acts();
+    };
+    EXPECT_TRUE(acts(0.3, 0.35));
+    EXPECT_FALSE(acts(0.3, 0.3)) << "no faster";
+    EXPECT_FALSE(acts(0.3, 0.35, 1)) << "a device takes as much";
+    EXPECT_FALSE(acts(0.3, 0.9)) << "faster than late forces make it";
+    EXPECT_FALSE(acts(0.3, 0.35, 2, 0.2)) << "its legs tell";
+    EXPECT_FALSE(acts(0.3, 0.35, 2, 4)) << "too long ago";
+    EXPECT_FALSE(acts(0.3, 0.31, 2, 0.5, 0.06)) << "of more than a device and a finger weigh";
+    EXPECT_FALSE(acts(0.01, 0.011)) << "too slow to tell";
+    Bounced thrown; // by a hand, which makes it faster in each flight
+    for (int i = 0; i < 20; ++i) thrown.bounce(0.1 * (1 + i), 0.105 * (1 + i) - 0.05 * i);
+    EXPECT_FALSE(thrown.response.acts());
+}
+
 TEST(SwingResponse, TrustsNoHandBeforeAnythingWasDamped)
 {
     // A hand moves to and fro, and the contact takes energy. Then it gives some: that is answered at once.

@@ -144,6 +144,57 @@ TEST(WallSwing, GuardChangesNoBitOfStableSettings)
     RecordProperty("same_bits", same);
 }
 
+/// The highest places, m, of a mass that an even push moves to a wall, in the first and in the last
+/// two seconds of 20.
+std::array<double, 2> bounce_under_a_push(const DeviceLimits& device, double mass, double push,
+                                          double start, Guard guard)
+{
+    RenderOptions options;
+    options.force.stiffness = device.max_stiffness;
+    options.force.damping = 0;
+    options.guard = guard;
+    HapticRenderer renderer =
+        make_surface_renderer(wall_of(stands[1]).surface(), SwingWall::map(), device, options);
+    HandModel model = testing::without_hand();
+    model.mass = mass;
+    model.device_damping = 0.1;
+    model.delay_ticks = 3;
+    DeviceState rest;
+    rest.pose.translation = Vec3(0, 0, 1e-3);
+    for (int tick = 0; tick < 300; ++tick) renderer.tick(rest, model.tick_seconds);
+    SimulatedHand hand(model, Vec3(0, 0, start));
+    std::array<double, 2> highest = {-1, -1};
+    for (int tick = 0; tick < 20000; ++tick) {
+        const Vec3 force = renderer.tick(hand.state(), model.tick_seconds).force;
+        hand.step(force - Vec3(0, 0, push), Vec3::Zero());
+        if (tick >= 2000 && tick < 18000) continue;
+        double& each = highest[tick < 2000 ? 0 : 1];
+        each = std::max(each, hand.position().z());
+    }
+    return highest;
+}
+
+TEST(WallSwing, BouncesUnderAnEvenPushEnd)
+{
+    // Flights of up to two seconds: half the weight of 100 g in place of a spring that holds the device.
+    int higher = 0;
+    for (const DeviceLimits& device : known_devices()) {
+        for (const double mass : {0.1, 0.35}) {
+            for (const double start : {-1e-3, 0.01}) {
+                for (const double push : {0.2, 0.5}) {
+                    const auto guarded = bounce_under_a_push(device, mass, push, start, Guard::on);
+                    // From above, 0.35 kg on an omni take longer.
+                    EXPECT_LT(guarded[1], start < 0 ? 1e-3 : 0.01)
+                        << device.name << ' ' << mass << ' ' << start << ' ' << push;
+                    const auto alone = bounce_under_a_push(device, mass, push, start, Guard::off);
+                    higher += alone[1] > 2 * alone[0] ? 1 : 0;
+                }
+            }
+        }
+    }
+    EXPECT_GT(higher, 10);
+}
+
 TEST(WallSwing, CoarseEncodersEndBelowThreeMillimetres)
 {
     for (const double b : {0.1, 0.5}) {
@@ -301,6 +352,58 @@ TEST(SwingDetector, ForgetsMotionAwayFromTheSurface)
         EXPECT_FALSE(tick > 251 && seen.reported) << tick;
     }
     EXPECT_TRUE(detector.is_away());
+}
+
+TEST(BounceDetector, TellsSpeedsBesideAContactAndItsTimes)
+{
+    // Straight down to z = 0 at 0.3 m/s, 20 ms in contact, of these 8 at the force's limit, and up at 0.4.
+    BounceDetector detector;
+    int touched = 0;
+    int left = 0;
+    for (int tick = -400; tick < 400; ++tick) {
+        const double t = 1e-3 * tick;
+        const bool contact = tick >= 0 && tick < 20;
+        const double z = tick < 0 ? -0.3 * t : contact ? -1e-3 : 0.4 * (t - 0.02);
+        // A contact before, so that there is a flight.
+        const bool before = tick < -380;
+        const double force = contact ? (tick >= 6 && tick < 14 ? 3.0 : 1.0) : before ? 1.0 : 0.0;
+        const Bounce seen = detector.watch(Vec3(0.1, 0, z), Vec3(0, 0, force), 1e-3, 3);
+        if (seen.touched) {
+            ++touched;
+            EXPECT_EQ(tick, 0);
+        }
+        if (!seen.left) continue;
+        ++left;
+        EXPECT_NEAR(seen.speed_in, 0.3, 1e-9);
+        EXPECT_NEAR(seen.speed_out, 0.4, 1e-9);
+        EXPECT_NEAR(seen.contact, 0.012, 1e-9);
+        EXPECT_NEAR(seen.flight, 0.381, 1e-9);
+        EXPECT_GT(tick, 30); // a force that is late has ended, and the account is complete
+        EXPECT_LT(tick, 40);
+    }
+    EXPECT_EQ(touched, 1);
+    EXPECT_EQ(left, 1);
+    EXPECT_TRUE(detector.is_bouncing());
+    for (int tick = 0; tick < 300; ++tick)
+        (void)detector.watch(Vec3::Zero(), Vec3(0, 0, 1), 1e-3, 3);
+    EXPECT_FALSE(detector.is_bouncing()); // it rests
+}
+
+TEST(BounceDetector, TellsNothingOfContactsWithoutAFlightOrThatTurn)
+{
+    BounceDetector detector;
+    int told = 0;
+    for (int tick = 0; tick < 2000; ++tick) { // in the air for 15 ticks of 20
+        const Vec3 force(0, 0, tick % 20 < 5 ? 1 : 0);
+        told += detector.watch(Vec3::Zero(), force, 1e-3, 3).left ? 1 : 0;
+    }
+    EXPECT_EQ(told, 0);
+    for (int tick = 0; tick < 2000; ++tick) { // in the air for long, but the force turns
+        const int phase = tick % 400;
+        const Vec3 force(phase < 5 ? 1 : 0, 0, phase >= 5 && phase < 10 ? 1 : 0);
+        told += detector.watch(Vec3::Zero(), force, 1e-3, 3).left ? 1 : 0;
+    }
+    EXPECT_EQ(told, 0);
 }
 
 /// A wall of stiffness 500, whose forces act after some ticks, along a path by the clock. Returns what

@@ -36,8 +36,11 @@ Vec3 PassivityGuard::pass(const Vec3& position, const Vec3& velocity, const Cont
         stiffness_ = force.stiffness;
         surface_damping_ = force.damping;
     }
-    const double most_damping = std::max(max_damping_ - surface_damping_, 0.0);
-    response_.judge(motions(), motion_, tick, account_.sums(), {stiffness_, most_damping}, seconds);
+    const Bounce bounce =
+        motion_.bouncing.watch(position, force.spring - force.aside, seconds, max_force_);
+    const SwungContact contact{stiffness_, std::max(max_damping_ - surface_damping_, 0.0)};
+    response_.judge(motions(), motion_, tick, account_.sums(), contact, seconds);
+    response_.judge_bounce(motions(), motion_, bounce, account_.sums(), contact, seconds);
     const Vec3 result = guarded(force, velocity);
     account_.applied(result);
     wanted_ = shortened(result, max_force_);

@@ -31,6 +31,20 @@ constexpr int exchanging_legs = 5;
 /// the surface shakes and drives it.
 constexpr double own_part = 0.5;
 
+/// Contacts in succession that throw the device back faster than it came, before the first answer. One
+/// that makes it half as fast again counts twice.
+constexpr int least_bounces = 4;
+constexpr double strong_gain = 1.5;
+constexpr double least_bounce_gain = 1.02;
+constexpr double least_bounce_speed = 0.02; ///< m/s: four steps of the coarsest encoder
+constexpr double least_flight = 0.25;       ///< s: the legs of shorter ones tell
+/// Of speeds in a flight to which nothing gives energy; more than 1 for encoders.
+constexpr double most_flight_gain = 1.05;
+
+/// A mass m that a wall throws back is in contact for t = pi sqrt(m / K), and forces that are late by d
+/// make it exp(pi^2 d / (2 t)) times as fast. Heavier than this are no device and finger.
+constexpr double most_mass = 0.6; ///< kg
+
 constexpr double nearly_all = 0.9; ///< of the damping that is allowed
 constexpr double least_softness = 0.2;
 constexpr double softening = 0.7;
@@ -144,6 +158,48 @@ void SwingResponse::judge(std::span<WatchedMotion> motions, WatchedMotion& motio
         }
     }
     if (tick.turned) begin_leg(motion, sums, late_);
+}
+
+/// Whether a wall with forces that are late may have thrown a free mass back so much faster than it came.
+bool SwingResponse::may_throw(const Bounce& bounce, double stiffness, double seconds) const noexcept
+{
+    if (bounce.speed_in < least_bounce_speed) return false;
+    const double gain = bounce.speed_out / bounce.speed_in;
+    if (gain < least_bounce_gain) return false;
+    const double longest =
+        std::numbers::pi * std::sqrt(most_mass / (softness_ * std::max(stiffness, 1.0)));
+    const double late = (static_cast<double>(most_delay_ticks + 1) + late_) * seconds;
+    const double most_gain = std::exp(std::numbers::pi * std::numbers::pi / 2 * late /
+                                      std::max(bounce.contact, seconds));
+    return bounce.contact <= longest && gain <= most_gain;
+}
+
+void SwingResponse::judge_bounce(std::span<WatchedMotion> motions, WatchedMotion& motion,
+                                 const Bounce& bounce, const EnergySums& sums,
+                                 const SwungContact& contact, double seconds) noexcept
+{
+    if (bounce.touched) motion.touched = sums;
+    if (!bounce.left) return;
+    const double given = sums.most_given_since(motion.touched);
+    const double in_contact = sums.motion_in_contact - motion.touched.motion_in_contact;
+    const double moved = sums.motion - motion.touched.motion;
+    const double relative = sums.relative_motion - motion.touched.relative_motion;
+    const bool gives = given > least_device_damping * in_contact && moved >= own_part * relative;
+    // Who throws a device at a wall gives it in the flight what the wall takes.
+    const bool flew = bounce.speed_in <= most_flight_gain * motion.speed_out;
+    motion.thrown = motion.thrown && flew && motion.bouncing.is_bouncing();
+    const bool drives = gives && may_throw(bounce, contact.stiffness, seconds) &&
+                        (motion.thrown || bounce.flight >= least_flight) &&
+                        bounce.flight <= BounceDetector::longest_flight;
+    const int before = flew ? motion.bounces : 0;
+    const bool strong = bounce.speed_out >= strong_gain * bounce.speed_in;
+    motion.bounces = drives ? before + (strong ? 2 : 1) : 0;
+    motion.speed_out = bounce.speed_out;
+    if (!drives || !(motion.thrown || motion.bounces >= least_bounces)) return;
+    report_.most_given = std::max(report_.most_given, given);
+    answer(motions, {}, sums, contact.most_damping, in_contact > 0 ? given / in_contact : 0,
+           is_brief(bounce.contact, contact.stiffness, late_, seconds));
+    motion.thrown = true;
 }
 
 void SwingResponse::recover(std::span<const WatchedMotion> motions, double seconds) noexcept

@@ -3,6 +3,9 @@
 //
 //     evidence     a motion to and fro that does not fade (swing_detector.h), while the contact gave
 //                  more energy than a device takes (energy_account.h)
+//     bounces      where the legs are slow: contacts in succession that throw the device back faster than it
+//                  came, though no more than late forces can, while they gave energy (swing_bounces.h). Nothing
+//                  gave it any in the flights between, as a hand does that throws it at a wall that takes some
 //     damping      the first answer: twice as much as the contact gave, over v^2, up to the most that
 //                  the device allows
 //     softening    the second, where all damping does not end it and contacts are brief: the force is
@@ -10,10 +13,12 @@
 //     trust        a contact that takes energy for every delay cannot keep a swing going. Where a
 //                  motion does not fade all the same a hand makes it: damping ends, and begins again
 //                  only where the motion doubles, or after some seconds
-//     recovery     both halve or double in four seconds, once the contact no longer swings
+//     recovery     both halve or double in four seconds, once the contact no longer swings, and the device
+//                  no longer bounces after an answer to that
 #pragma once
 
 #include "haptics/force/energy_account.h"
+#include "haptics/force/swing_bounces.h"
 #include "haptics/force/swing_detector.h"
 
 #include <algorithm>
@@ -38,18 +43,24 @@ struct SwingReport {
 /// A motion that is watched: a point's along the force of its contact, or a tool's along one axis.
 struct WatchedMotion {
     SwingDetector swing;
-    EnergySums leg_began;   ///< the account at the last turn
-    EnergySums cycle_began; ///< and at the turn before
-    bool gives = false;     ///< the last cycle gave more than a device takes
-    int kept_legs = 0;      ///< in succession, since the last answer
-    double trusted_leg = 0; ///< m, of the motion of a hand
-    int leg_late = 0;       ///< most ticks in this leg for which the device has not got its force
+    BounceDetector bouncing; ///< of a point alone
+    EnergySums leg_began;    ///< the account at the last turn
+    EnergySums cycle_began;  ///< and at the turn before
+    bool gives = false;      ///< the last cycle gave more than a device takes
+    int kept_legs = 0;       ///< in succession, since the last answer
+    double trusted_leg = 0;  ///< m, of the motion of a hand
+    int leg_late = 0;        ///< most ticks in this leg for which the device has not got its force
     int last_leg_late = 0;
+    EnergySums touched; ///< the account at the beginning of the last contact after a flight
+    int bounces = 0;    ///< in succession, that the wall threw back faster; strong ones count twice
+    double speed_out = 0; ///< m/s, of the last bounce
+    bool thrown = false;  ///< bounces were answered, and nothing but the wall has driven them since
 
     /// Whether the contact may drive this motion.
     [[nodiscard]] bool is_driven() const noexcept
     {
-        return swing.is_swinging() && (gives || swing.is_fast());
+        return (swing.is_swinging() && (gives || swing.is_fast())) ||
+               (thrown && bouncing.is_bouncing());
     }
 };
 
@@ -65,6 +76,11 @@ public:
     /// Weighs a tick of one of the motions, with the account of all of them after it. \pre seconds > 0
     void judge(std::span<WatchedMotion> motions, WatchedMotion& motion, const SwingTick& tick,
                const EnergySums& sums, const SwungContact& contact, double seconds) noexcept;
+
+    /// Weighs a contact between two flights, once it is over, of a motion whose speed no other motion
+    /// changes: a tool that turns bounces faster and slower without a wall that gives energy. After judge().
+    void judge_bounce(std::span<WatchedMotion> motions, WatchedMotion& motion, const Bounce& bounce,
+                      const EnergySums& sums, const SwungContact& contact, double seconds) noexcept;
 
     /// Softening and damping fade, in this order, once none of the motions is driven.
     void recover(std::span<const WatchedMotion> motions, double seconds) noexcept;
@@ -109,6 +125,8 @@ public:
     }
 
 private:
+    [[nodiscard]] bool may_throw(const Bounce& bounce, double stiffness,
+                                 double seconds) const noexcept;
     void answer(std::span<WatchedMotion> motions, const SwingTick& tick, const EnergySums& sums,
                 double most, double needed, bool brief) noexcept;
     void trust_hand(std::span<WatchedMotion> motions, WatchedMotion& motion, double given) noexcept;
