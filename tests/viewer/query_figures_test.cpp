@@ -71,8 +71,7 @@ TEST(QueryFigures, LitCellsAreThoseAlongTheRayWithTheirWeights)
             }
             const Color expected = intensity_color(weight);
             EXPECT_TRUE((shown[i]->color == expected).all());
-            Canvas one(1, 1);
-            one.fill_background(expected, expected);
+            const Canvas one(1, 1, {expected, expected});
             const auto found = colors.find(one.image().pixel(0, 0));
             EXPECT_TRUE(found != colors.end() && found->second > 50) << "cell " << i;
         }

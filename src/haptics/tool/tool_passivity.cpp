@@ -82,6 +82,11 @@ Vec6 ToolPassivity::pass(const Vec6& position, const Vec6& velocity, const Vec6&
         const double stiffness = i < 3 ? limits_.stiffness : limits_.turning_stiffness;
         response_.judge(motions_, motion, tick, now, {stiffness, limits_.max_damping}, seconds);
     }
+    WatchedMotion& shift = motions_.front(); // that of the whole force
+    const Bounce bounce =
+        shift.bouncing.watch(position.head<3>(), spring.head<3>(), seconds, limits_.max_force);
+    response_.judge_bounce(motions_, shift, bounce, now, {limits_.stiffness, limits_.max_damping},
+                           seconds);
     const Vec6 result = guarded(spring, whole, velocity);
     linear_.applied(result.head<3>());
     angular_.applied(result.tail<3>());

@@ -134,6 +134,41 @@ TEST(ToolSwings, RockingBoxesComeToRest)
     }
 }
 
+/// A box that an even push moves to a table, in flights of up to two seconds.
+TEST(ToolSwings, BouncesUnderAnEvenPushEnd)
+{
+    const ToolScene scene = make_tool_scene(ToolStand::face);
+    for (const char* const name : {"omega", "delta"}) {
+        const DeviceLimits device = *find_device(name);
+        for (const double mass : {0.1, 0.35}) {
+            ToolRenderOptions options;
+            options.force.stiffness = device.max_stiffness;
+            options.force.damping = 0;
+            ToolRenderer renderer = make_tool_renderer(scene.tool, std::span(&scene.object, 1),
+                                                       WorkspaceMap{}, device, options)
+                                        .value();
+            DeviceState rest;
+            rest.pose = scene.touching;
+            rest.pose.translation.z() += 1e-3;
+            for (int tick = 0; tick < 300; ++tick) (void)renderer.tick(rest, tick_seconds);
+            HandModel model;
+            model.mass = mass;
+            model.device_damping = 0.1;
+            model.hand_stiffness = model.hand_damping = 0;
+            model.delay_ticks = 3;
+            SimulatedHand hand(model, scene.touching.translation - 1e-3 * Vec3::UnitZ());
+            double highest = -1;
+            for (int tick = 0; tick < 15000; ++tick) {
+                const Vec3 force = renderer.tick(hand.state(), tick_seconds).force;
+                hand.step(force - Vec3(0, 0, 0.5), Vec3::Zero());
+                if (tick < 13000) continue;
+                highest = std::max(highest, hand.position().z() - scene.touching.translation.z());
+            }
+            EXPECT_LT(highest, most_swing) << name << ' ' << mass;
+        }
+    }
+}
+
 TEST(ToolSwings, ObservingChangesNoBitAndSeesThem)
 {
     for (const ToolStand stand : {ToolStand::face, ToolStand::fit}) {
