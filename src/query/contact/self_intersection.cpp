@@ -119,6 +119,7 @@ bool meet_beyond_corners(const Triangle& a, const Triangle& b) noexcept
                : is_corner(parts.of_b) ? has_corner(a, b[number_of(parts.of_b)])
                                        : false;
     };
+    if (found.size() < 2) return false; // a point that both have is the corner
     return found.size() > 2 || !std::ranges::all_of(found.ends(), is_shared);
 }
 

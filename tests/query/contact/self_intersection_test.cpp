@@ -74,6 +74,9 @@ TEST(MeetBeyondCorners, IgnoresContactAtSharedCornersAndEdges)
     EXPECT_FALSE(meet_beyond_corners({{o, Vec3(2, 0, 0), x}}, floor));
     EXPECT_FALSE(meet_beyond_corners({{o, Vec3(2, 0, 0), x}}, {{o, Vec3(2, 0, 0), z}}));
     EXPECT_TRUE(meet_beyond_corners({{o, Vec3(2, 0, 0), x}}, {{Vec3(3, 0, 0), y, z}}));
+    // Two slivers that cross where both have a corner, in the middle of both; and that lie on each other.
+    EXPECT_FALSE(meet_beyond_corners({{o, x, -x}}, {{y, o, -y}}));
+    EXPECT_TRUE(meet_beyond_corners({{o, x, -x}}, {{-2 * x, o, 2 * x}}));
 }
 
 /// What meet_beyond_corners() means, by the exact intersection of the two.
@@ -83,6 +86,7 @@ bool meet_beyond_corners_slowly(const Triangle& a, const Triangle& b)
         return std::ranges::find(triangle.vertices, point) != triangle.vertices.end();
     };
     const TriangleIntersection found = intersect(a, b);
+    if (found.size() == 1) return false; // the corner in common
     return found.size() > 2 || !std::ranges::all_of(found.ends(), [&](const MeetingParts& parts) {
                return is_corner(parts.of_a)   ? has(b, a[number_of(parts.of_a)])
                       : is_corner(parts.of_b) ? has(a, b[number_of(parts.of_b)])
