@@ -105,6 +105,7 @@ Image draw_weights(const Octree& octree, const RayList& rays, ViewSize size, Thr
         advance_stage(progress, 1);
     });
     Image image = empty_image(size);
+    if (is_cancelled(progress)) return image;
     UsualMost most;
     StageSteps steps(progress, "drawing the weights", 2 * width * height);
     for (std::size_t pixel = 0; pixel < width * height; ++pixel) {
