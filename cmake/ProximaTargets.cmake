@@ -7,6 +7,10 @@ add_library(proxima_developer_options INTERFACE)
 target_compile_options(proxima_developer_options INTERFACE
   -ffp-contract=off -fno-math-errno -Wall -Wextra -Wconversion -Wshadow -Wno-sign-conversion
   $<$<BOOL:${PROXIMA_WARNINGS_AS_ERRORS}>:-Werror>)
+if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU" AND PROXIMA_WARNINGS_AS_ERRORS)
+  # It collects garbage from a gigabyte on: a twelfth less time, a quarter more memory.
+  target_compile_options(proxima_developer_options INTERFACE --param=ggc-min-heapsize=1000000)
+endif()
 if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU" AND CMAKE_SYSTEM_PROCESSOR STREQUAL "x86_64")
   # Otherwise g++ 12 copies and clears structs of a hundred bytes by `rep movs` and `rep stos` in code for AVX2 and SSE4.
   # These take dozens of cycles to begin.

@@ -5,9 +5,7 @@ import signal
 import subprocess
 import unittest
 
-from mpi_program import SECONDS, DistributedTest, command, faulty, messages, ranks_of, run
-
-SEED = int(os.environ.get("SEED", random.randrange(1 << 30)))
+from mpi_program import SECONDS, SEED, DistributedTest, command, faulty, messages, ranks_of, run
 
 
 class Stopping(DistributedTest):

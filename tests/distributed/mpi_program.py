@@ -1,5 +1,6 @@
 """Runs proxima-mpi as its users do, and with calls that fail; the paths of the programs are in environment variables."""
 import os
+import random
 import subprocess
 import tempfile
 import unittest
@@ -8,6 +9,10 @@ from pathlib import Path
 
 PROXIMA, PROGRAM, MPIRUN = (os.environ[name] for name in ("PROXIMA", "PROXIMA_MPI", "MPIRUN"))
 SECONDS = 200
+# A run of the tests takes some of the cases, which the seed chooses; EVERY=1: all of them.
+SEED = int(os.environ.get("SEED", random.randrange(1 << 30)))
+EVERY = os.environ.get("EVERY") == "1"
+print("seed", SEED, flush=True)
 SESSIONS = tempfile.TemporaryDirectory()  # removed when the program ends
 
 
@@ -69,6 +74,18 @@ def ranks_of(process):
 
 def messages(text):
     return [line for line in text.splitlines() if line.startswith("proxima-mpi: ")]
+
+
+def some(cases, count):
+    """So many of the cases, in their order."""
+    cases = list(cases)
+    taken = range(len(cases)) if EVERY else sorted(random.Random(SEED).sample(range(len(cases)), count))
+    return [cases[k] for k in taken]
+
+
+def some_ranks():
+    """Three, and one or four."""
+    return (1, 3, 4) if EVERY else (3, random.Random(SEED).choice((1, 4)))
 
 
 class DistributedTest(unittest.TestCase):

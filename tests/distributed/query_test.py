@@ -8,10 +8,8 @@ import unittest
 
 from generated_meshes import nasty_mesh, ply
 from generated_meshes import npy as mesh_npy
-from mpi_program import PROXIMA, DistributedTest, command, faulty, messages, on_a_full_disk, ranks_of, run, run_each
+from mpi_program import PROXIMA, SEED, DistributedTest, command, faulty, messages, on_a_full_disk, ranks_of, run, run_each, some, some_ranks
 
-SEED = int(os.environ.get("SEED", random.randrange(1 << 30)))
-print("seed", SEED, flush=True)
 
 
 def rows(table, columns):
@@ -58,9 +56,9 @@ class QueryTest(DistributedTest):
             subprocess.run([PROXIMA, "repair", name, "--out", path], check=True, capture_output=True)
         return path
 
-    def verify(self, command, model, table, *options, ranks=(1, 3, 4)):
+    def verify(self, command, model, table, *options, ranks=None):
         """Runs with --verify on so many ranks: all write the same bytes."""
-        ranks = list(dict.fromkeys(ranks))
+        ranks = list(dict.fromkeys(ranks or some_ranks()))
         outs = [self.folder / f"out_{count}.csv" for count in ranks]
         option = {"closest": "--points", "sign": "--points", "rays": "--rays"}[command]
         results = run_each((count, command, model, option, table, "--out", out, "--verify", *options) for count, out in zip(ranks, outs))
@@ -88,7 +86,7 @@ class Closest(QueryTest):
         self.assertEqual(written, out.read_text())
 
     def test_nasty_meshes(self):
-        for k in range(3):
+        for k in some(range(3), 2):
             chance = random.Random(SEED + k)
             positions, triangles = nasty_mesh(SEED + k)
             points = nasty_points(chance, positions, triangles, 400)
@@ -113,7 +111,7 @@ class Closest(QueryTest):
             self.expect_same("few", positions, triangles, nasty_points(chance, positions, triangles, 60), ranks=(3,))
 
     def test_far_from_the_origin_and_sizes(self):
-        for k, (scale, shift) in enumerate([(1.0, 1e9), (1e-150, 0.0), (1e-200, 0.0), (1e60, 0.0), (1e-9, 1.0)]):
+        for k, (scale, shift) in some(enumerate([(1.0, 1e9), (1e-150, 0.0), (1e-200, 0.0), (1e60, 0.0), (1e-9, 1.0)]), 3):
             chance = random.Random(SEED + k)
             positions, triangles = nasty_mesh(SEED + k)
             positions = [[x * scale + shift for x in at] for at in positions]
@@ -167,14 +165,14 @@ class Rays(QueryTest):
         self.assertEqual(written, out.read_text())
 
     def test_nasty_meshes(self):
-        for k in range(3):
+        for k in some(range(3), 2):
             chance = random.Random(SEED + k)
             positions, triangles = nasty_mesh(SEED + k)
             rays = nasty_rays(chance, positions, triangles, 600)
             self.expect_same(f"nasty_{k}", positions, triangles, rays, ranks=(2 + k,))
 
     def test_duplicates_and_sizes(self):
-        for k, (scale, shift) in enumerate([(1.0, 1e7), (1e-100, 0.0), (1e60, 0.0)]):
+        for k, (scale, shift) in some(enumerate([(1.0, 1e7), (1e-100, 0.0), (1e60, 0.0)]), 2):
             chance = random.Random(SEED + k)
             positions, triangles = copies(*nasty_mesh(SEED + k), 0.0)
             rays = nasty_rays(chance, positions, triangles, 300)
@@ -220,14 +218,14 @@ class Sign(QueryTest):
                   "inside_out": octahedron([0, 0, 0], 4.0, True), "twice": join(ball, ball), "three": join(beside, inner, octahedron([1, 20, 0], 0.5))}
         positions, triangles = ball
         solids["no_area"] = positions, triangles + [[0, 0, 2], [3, 3, 3], [1, 4, 4]]
-        for name, mesh in solids.items():
+        for name, mesh in some(solids.items(), 4):
             points = nasty_points(chance, *mesh, 500)
             found = self.expect_same(name, mesh, points, ranks=(chance.randrange(1, 5),))
             self.assertGreater(sum(row[-1] == "on_surface" for row in found), 50)
 
     def test_samples(self):
         chance = random.Random(SEED)
-        for name in ("icosphere:3", "sphere:20x30", "spaceship:2000"):
+        for name in some(("icosphere:3", "sphere:20x30", "spaceship:2000"), 2):
             points = [[chance.choice([chance.uniform(-1, 1), chance.randrange(-4, 5) / 4]) for _ in range(3)] for _ in range(1500)]
             self.verify("sign", self.sample(name), self.file("points.csv", rows(points, "x,y,z")), ranks=(1, 4))
 
@@ -244,17 +242,17 @@ class Sign(QueryTest):
         meshes = [(positions, triangles[1:]), (positions, [triangles[0][::-1], *triangles[1:]]), (positions, triangles[:4]),
                   join((positions, triangles[1:]), octahedron([1, 0, 0], 1.0)), *(nasty_mesh(SEED + k) for k in range(4))]
         inside = 0
-        for k, mesh in enumerate(meshes):
+        for k, mesh in [*some(enumerate(meshes[:4]), 2), *some(enumerate(meshes[4:], 4), 2)]:
             points = nasty_points(chance, *mesh, 300)
             inside += sum(float(row[-2]) < 0 for row in self.expect_same(f"open_{k}", mesh, points, ranks=(chance.randrange(1, 5),)))
-        self.assertGreater(inside, 100)
+        self.assertGreater(inside, 20)
 
     def test_open_meshes_from_far_away(self):
         """Where powers of the distance overflow; and inside of many sheets, though outside of their box."""
         sheet = [[-1.0, -1.0, 0.0], [3.0, -1.0, 0.0], [-1.0, 3.0, 0.0]]
         far = [[sign * 10.0 ** k, 0.5, -1.0] for k in (1, 3, 8, 20, 52, 80, 103, 110, 155, 250, 307) for sign in (1, -1)]
         near = [[0.1, 0.2, sign * 2.0 ** k] for k in range(-8, 12) for sign in (1, -1)]
-        for size in (1.0, 1e-100, 1e90):
+        for size in some((1.0, 1e-100, 1e90), 2):
             mesh = join(*([([[x * size for x in at] for at in sheet], [[0, 1, 2]])] * 40))
             points = far + [[x * size for x in at] for at in near]
             inside = [float(row[-2]) < 0 for row in self.expect_same("sheets", mesh, points, ranks=(3,))]
