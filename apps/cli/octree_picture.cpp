@@ -177,10 +177,8 @@ Result<Image> draw_octree(const Octree& octree, const TriangleMesh& mesh,
     const DepthColors colors = depth_colors(leaves, options);
     draw_leaves(canvas, view, leaves, colors, options.execution.progress);
     Image image = canvas.image();
+    if (is_cancelled(options.execution.progress)) return cancelled("drawing");
     if (options.with_legend) draw_legend(image, legend_of(leaves, colors, options));
-    if (is_cancelled(options.execution.progress)) {
-        return cancelled("drawing");
-    }
     return image;
 }
 

@@ -125,6 +125,7 @@ void cast(const RaycastOptions& options, const Casting& casting, const std::vect
     }
     parallel_chunks(rays.size(), task_rays, session.threads(),
                     [&](std::size_t first, std::size_t end) {
+                        if (session.progress().cancelled()) return;
                         for (std::size_t i = first; i < end; ++i)
                             hits[i] = closest_hit_by_cells(casting.octree, casting.mesh, rays[i]);
                     });
@@ -151,6 +152,7 @@ Status cast_at_triangles(const RaycastOptions& options, Casting& casting, Sessio
             hits.resize(rays.size());
             const Stopwatch watch;
             cast(options, casting, rays, hits, session);
+            if (Status status = session.check_running(); !status) return status;
             casting.seconds += watch.seconds();
             casting.hits += static_cast<std::uint64_t>(
                 std::ranges::count_if(hits, [](const auto& hit) { return hit.has_value(); }));
@@ -164,9 +166,9 @@ Status cast_at_triangles(const RaycastOptions& options, Casting& casting, Sessio
                 !status)
                 return status;
             session.progress().advance(rays.size());
-            if (Status status = session.check_running(); !status) return status;
         }
     }
+    if (Status status = session.check_running(); !status) return status;
     if (Status status = writer->commit(); !status || !draws) return status;
     return write_png(image, options.picture, &session.progress());
 }

@@ -70,6 +70,8 @@ class Building(InterruptTest):
 
     def test_rays(self):
         self.interrupt("raycast", "cube", "--size", "16384x16384", "--picture", self.folder / "a.png", when=after(1))
+        self.interrupt("raycast", "sphere:200x200", "--size", "512x512", "--method", "thesis", "--depth", "3",
+                       "--picture", self.folder / "a.png", when=after(0.4))
         self.interrupt("raycast", "torus:200x100", "--size", "4000x4000", "--depth", "8", "--cells", "--out", self.folder / "a.csv", when=after(1))
 
     def test_pictures(self):

@@ -216,9 +216,13 @@ TEST(SwingResponse, LeavesBouncesThatNoWallMakesFaster)
     EXPECT_FALSE(acts(0.3, 0.35, 2, 4)) << "too long ago";
     EXPECT_FALSE(acts(0.3, 0.31, 2, 0.5, 0.06)) << "of more than a device and a finger weigh";
     EXPECT_FALSE(acts(0.01, 0.011)) << "too slow to tell";
-    Bounced thrown; // by a hand, which makes it faster in each flight
-    for (int i = 0; i < 20; ++i) thrown.bounce(0.1 * (1 + i), 0.105 * (1 + i) - 0.05 * i);
-    EXPECT_FALSE(thrown.response.acts());
+    // By a hand, which makes it faster in each flight as well; and by the wall alone.
+    for (const double in_flight : {1.2, 1.0}) {
+        Bounced thrown;
+        double speed = 0.05;
+        for (int i = 0; i < 10; ++i, speed *= 1.05 * in_flight) thrown.bounce(speed, 1.05 * speed);
+        EXPECT_EQ(thrown.response.acts(), in_flight == 1.0);
+    }
 }
 
 TEST(SwingResponse, TrustsNoHandBeforeAnythingWasDamped)

@@ -7,6 +7,8 @@
 #include "haptics/force/swing_bounces.h"
 #include "haptics/force/swing_detector.h"
 #include "proxima/device.h"
+#include "proxima/sample_meshes.h"
+#include "proxima/touch_scene.h"
 
 #include <gtest/gtest.h>
 
@@ -152,15 +154,19 @@ struct Heights {
     double last = -1; ///< in the last two of twenty
 };
 
-Heights bounce_under_a_push(const DeviceLimits& device, double mass, double push, double start,
-                            Guard guard)
+RenderOptions stiffest(const DeviceLimits& device, Guard guard)
 {
     RenderOptions options;
     options.force.stiffness = device.max_stiffness;
     options.force.damping = 0;
     options.guard = guard;
-    HapticRenderer renderer =
-        make_surface_renderer(wall_of(stands[1]).surface(), SwingWall::map(), device, options);
+    return options;
+}
+
+/// Above a wall at z = 0, which goes down with that velocity from the 300th tick on.
+Heights bounce_under_a_push(HapticRenderer& renderer, double mass, double push, double start,
+                            double down = 0)
+{
     HandModel model = testing::without_hand();
     model.mass = mass;
     model.device_damping = 0.1;
@@ -173,12 +179,20 @@ Heights bounce_under_a_push(const DeviceLimits& device, double mass, double push
     for (int tick = 0; tick < 20000; ++tick) {
         const Vec3 force = renderer.tick(hand.state(), model.tick_seconds).force;
         hand.step(force - Vec3(0, 0, push), Vec3::Zero());
-        const double height = hand.position().z();
+        const double height = hand.position().z() + down * tick * model.tick_seconds;
         highest.ever = std::max(highest.ever, height);
         if (tick < 2000) highest.first = std::max(highest.first, height);
         if (tick >= 18000) highest.last = std::max(highest.last, height);
     }
     return highest;
+}
+
+Heights bounce_under_a_push(const DeviceLimits& device, double mass, double push, double start,
+                            Guard guard)
+{
+    HapticRenderer renderer = make_surface_renderer(wall_of(stands[1]).surface(), SwingWall::map(),
+                                                    device, stiffest(device, guard));
+    return bounce_under_a_push(renderer, mass, push, start);
 }
 
 TEST(WallSwing, BouncesUnderAnEvenPushEnd)
@@ -211,6 +225,32 @@ TEST(WallSwing, BouncesUnderAnEvenPushEnd)
                     1e3 * with.ever, 1e3 * with.last, 1e3 * without.ever, 1e3 * without.last);
     }
     EXPECT_GT(higher, 10);
+}
+
+TEST(WallSwing, BouncesOnAWallThatMovesEnd)
+{
+    // By 1 mm/s: flights of half a second and more are judged as on a wall that rests.
+    const DeviceLimits device = *find_device("omega");
+    for (const Guard guard : {Guard::on, Guard::off}) {
+        TouchScene scene({Vec3(-5, -5, -5), Vec3(5, 5, 5)});
+        const auto body = build_touch_body(
+            *sample_mesh("cube"), {.material = SurfaceMaterial{.stiffness = device.max_stiffness}});
+        ASSERT_TRUE(body);
+        const auto object = scene.add(*body, {Mat3::Identity(), Vec3(0, 0, -1)});
+        ASSERT_TRUE(object);
+        HapticRenderer renderer =
+            make_haptic_renderer(scene, WorkspaceMap{}, device, stiffest(device, guard)).value();
+        ASSERT_TRUE(scene.move(*object, {.pose = {Mat3::Identity(), Vec3(0, 0, -1)},
+                                         .seconds = 0.3,
+                                         .velocity = Vec3(0, 0, -1e-3),
+                                         .coast_seconds = 60}));
+        const Heights height = bounce_under_a_push(renderer, 0.1, 0.5, 0.01, 1e-3);
+        if (guard == Guard::on) {
+            EXPECT_LT(height.last, 1e-3);
+        } else {
+            EXPECT_GT(height.last, 0.1);
+        }
+    }
 }
 
 TEST(WallSwing, CoarseEncodersEndBelowThreeMillimetres)
@@ -405,6 +445,17 @@ TEST(BounceDetector, TellsSpeedsBesideAContactAndItsTimes)
     for (int tick = 0; tick < 300; ++tick)
         (void)detector.watch(Vec3::Zero(), Vec3(0, 0, 1), 1e-3, 3);
     EXPECT_FALSE(detector.is_bouncing()); // it rests
+}
+
+TEST(BounceDetector, TakesAPressAtTheForcesLimitForNoBounce)
+{
+    BounceDetector detector;
+    for (int tick = 0; tick < 100; ++tick)
+        (void)detector.watch(Vec3(0, 0, 0.1 - 1e-3 * tick), Vec3::Zero(), 1e-3, 3);
+    EXPECT_TRUE(detector.is_bouncing());
+    for (int tick = 0; tick < 300; ++tick)
+        (void)detector.watch(Vec3(0, 0, -1e-3), Vec3(0, 0, 3), 1e-3, 3);
+    EXPECT_FALSE(detector.is_bouncing());
 }
 
 TEST(BounceDetector, TellsNothingOfContactsWithoutAFlightOrThatTurn)

@@ -58,7 +58,10 @@ public:
     void reset() noexcept;
 
     /// Whether the last contact is so long ago that motions in it no longer matter.
-    [[nodiscard]] bool is_away() const noexcept { return motion_.swing.is_away(); }
+    [[nodiscard]] bool is_away() const noexcept
+    {
+        return motion_.swing.is_away() && !(motion_.bounces > 0 && motion_.bouncing.is_bouncing());
+    }
 
     /// s as it is applied, 1 where no contact has oscillated.
     [[nodiscard]] double softness() const noexcept

@@ -16,6 +16,7 @@ void BounceDetector::touch(const Vec3& along) noexcept
     // Both speeds are as far from the contact: then so is what a push changed of them.
     counts_ = free_ticks_ >= 2 * settling + span;
     last_ = {};
+    touching_ = 0;
     if (!counts_) return;
     axis_ = along;
     last_.touched = true;
@@ -52,6 +53,7 @@ Bounce BounceDetector::watch(const Vec3& position, const Vec3& force, double sec
     flight_ = 0;
     free_ticks_ = 0;
     counts_ = counts_ && along.dot(axis_) >= least_cosine;
+    touching_ += seconds;
     last_.contact += size < most_force ? seconds : 0;
     return result;
 }

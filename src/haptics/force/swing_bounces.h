@@ -45,7 +45,7 @@ public:
     /// Whether neither a flight nor a contact lasts so long that no bounce goes on.
     [[nodiscard]] bool is_bouncing() const noexcept
     {
-        return flight_ <= longest_flight && last_.contact <= longest_contact;
+        return flight_ <= longest_flight && touching_ <= longest_contact;
     }
 
 private:
@@ -73,6 +73,7 @@ private:
     std::size_t now_ = kept;     ///< number of the last tick, from `kept` on
     Vec3 axis_ = Vec3::Zero();   ///< of the contact's first force
     double flight_ = 0;          ///< s since the last force
+    double touching_ = 0;        ///< s, of the last contact, whatever its force
     std::size_t free_ticks_ = 0; ///< likewise, in ticks
     bool touches_ = false;
     bool counts_ = false; ///< the contact came after a flight, and pushes along one axis

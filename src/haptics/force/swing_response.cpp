@@ -82,7 +82,10 @@ void begin_leg(WatchedMotion& motion, const EnergySums& sums, int late) noexcept
 void SwingResponse::applied(std::span<WatchedMotion> motions, bool in_full) noexcept
 {
     late_ = in_full ? 0 : late_ + 1;
-    for (WatchedMotion& motion : motions) motion.leg_late = std::max(motion.leg_late, late_);
+    for (WatchedMotion& motion : motions) {
+        motion.leg_late = std::max(motion.leg_late, late_);
+        motion.bounce_late = std::max(motion.bounce_late, late_);
+    }
 }
 
 void SwingResponse::soften(double factor) noexcept
@@ -109,7 +112,7 @@ void SwingResponse::answer(std::span<WatchedMotion> motions, const SwingTick& ti
     if (tick.quick) soften(least_softness);
     // What was given before the answer says nothing about what is given after it.
     for (WatchedMotion& motion : motions) {
-        motion.leg_began = motion.cycle_began = sums;
+        motion.leg_began = motion.cycle_began = motion.touched = sums;
         motion.kept_legs = 0;
     }
     trust_ = 0;
@@ -161,14 +164,15 @@ void SwingResponse::judge(std::span<WatchedMotion> motions, WatchedMotion& motio
 }
 
 /// Whether a wall with forces that are late may have thrown a free mass back so much faster than it came.
-bool SwingResponse::may_throw(const Bounce& bounce, double stiffness, double seconds) const noexcept
+bool SwingResponse::may_throw(const Bounce& bounce, double stiffness, int late_ticks,
+                              double seconds) const noexcept
 {
     if (bounce.speed_in < least_bounce_speed) return false;
     const double gain = bounce.speed_out / bounce.speed_in;
     if (gain < least_bounce_gain) return false;
     const double longest =
         std::numbers::pi * std::sqrt(most_mass / (softness_ * std::max(stiffness, 1.0)));
-    const double late = (static_cast<double>(most_delay_ticks + 1) + late_) * seconds;
+    const double late = (static_cast<double>(most_delay_ticks + 1) + late_ticks) * seconds;
     const double most_gain = std::exp(std::numbers::pi * std::numbers::pi / 2 * late /
                                       std::max(bounce.contact, seconds));
     return bounce.contact <= longest && gain <= most_gain;
@@ -178,7 +182,10 @@ void SwingResponse::judge_bounce(std::span<WatchedMotion> motions, WatchedMotion
                                  const Bounce& bounce, const EnergySums& sums,
                                  const SwungContact& contact, double seconds) noexcept
 {
-    if (bounce.touched) motion.touched = sums;
+    if (bounce.touched) {
+        motion.touched = sums;
+        motion.bounce_late = 0;
+    }
     if (!bounce.left) return;
     const double given = sums.most_given_since(motion.touched);
     const double in_contact = sums.motion_in_contact - motion.touched.motion_in_contact;
@@ -187,10 +194,12 @@ void SwingResponse::judge_bounce(std::span<WatchedMotion> motions, WatchedMotion
     const bool gives = given > least_device_damping * in_contact && moved >= own_part * relative;
     // Who throws a device at a wall gives it in the flight what the wall takes.
     const bool flew = bounce.speed_in <= most_flight_gain * motion.speed_out;
-    motion.thrown = motion.thrown && flew && motion.bouncing.is_bouncing();
-    const bool drives = gives && may_throw(bounce, contact.stiffness, seconds) &&
-                        (motion.thrown || bounce.flight >= least_flight) &&
-                        bounce.flight <= BounceDetector::longest_flight;
+    const bool goes_on = bounce.flight <= BounceDetector::longest_flight;
+    motion.thrown =
+        motion.thrown && flew && goes_on && bounce.contact <= BounceDetector::longest_contact;
+    const bool drives = gives && goes_on &&
+                        may_throw(bounce, contact.stiffness, motion.bounce_late, seconds) &&
+                        (motion.thrown || bounce.flight >= least_flight);
     const int before = flew ? motion.bounces : 0;
     const bool strong = bounce.speed_out >= strong_gain * bounce.speed_in;
     motion.bounces = drives ? before + (strong ? 2 : 1) : 0;
@@ -198,7 +207,7 @@ void SwingResponse::judge_bounce(std::span<WatchedMotion> motions, WatchedMotion
     if (!drives || !(motion.thrown || motion.bounces >= least_bounces)) return;
     report_.most_given = std::max(report_.most_given, given);
     answer(motions, {}, sums, contact.most_damping, in_contact > 0 ? given / in_contact : 0,
-           is_brief(bounce.contact, contact.stiffness, late_, seconds));
+           is_brief(bounce.contact, contact.stiffness, motion.bounce_late, seconds));
     motion.thrown = true;
 }
 

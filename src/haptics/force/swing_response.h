@@ -37,13 +37,13 @@ struct SwingReport {
     double most_damping = 0;          ///< N s/m, of the guard's
     double lowest_softness = 1;       ///< s
     double longest_softening = 0;     ///< s, from s = 1 to s = 1
-    double most_given = 0;            ///< J, in a cycle of a swing, for the worst delay
+    double most_given = 0;            ///< J, in a cycle of a swing or a bounce, for the worst delay
 };
 
 /// A motion that is watched: a point's along the force of its contact, or a tool's along one axis.
 struct WatchedMotion {
     SwingDetector swing;
-    BounceDetector bouncing; ///< of a point alone
+    BounceDetector bouncing; ///< of a point, or of a tool's displacement
     EnergySums leg_began;    ///< the account at the last turn
     EnergySums cycle_began;  ///< and at the turn before
     bool gives = false;      ///< the last cycle gave more than a device takes
@@ -51,8 +51,10 @@ struct WatchedMotion {
     double trusted_leg = 0;  ///< m, of the motion of a hand
     int leg_late = 0;        ///< most ticks in this leg for which the device has not got its force
     int last_leg_late = 0;
-    EnergySums touched; ///< the account at the beginning of the last contact after a flight
-    int bounces = 0;    ///< in succession, that the wall threw back faster; strong ones count twice
+    EnergySums
+        touched; ///< the account at the beginning of the last contact after a flight, or at an answer in it
+    int bounce_late = 0; ///< most ticks since then for which the device has not got its force
+    int bounces = 0; ///< in succession, that the wall threw back faster; strong ones count twice
     double speed_out = 0; ///< m/s, of the last bounce
     bool thrown = false;  ///< bounces were answered, and nothing but the wall has driven them since
 
@@ -77,8 +79,8 @@ public:
     void judge(std::span<WatchedMotion> motions, WatchedMotion& motion, const SwingTick& tick,
                const EnergySums& sums, const SwungContact& contact, double seconds) noexcept;
 
-    /// Weighs a contact between two flights, once it is over, of a motion whose speed no other motion
-    /// changes: a tool that turns bounces faster and slower without a wall that gives energy. After judge().
+    /// Weighs a contact between two flights, once it is over. After judge(). A tool's turning makes some
+    /// bounces of its displacement faster, and as many slower: few of them come in succession.
     void judge_bounce(std::span<WatchedMotion> motions, WatchedMotion& motion, const Bounce& bounce,
                       const EnergySums& sums, const SwungContact& contact, double seconds) noexcept;
 
@@ -125,7 +127,7 @@ public:
     }
 
 private:
-    [[nodiscard]] bool may_throw(const Bounce& bounce, double stiffness,
+    [[nodiscard]] bool may_throw(const Bounce& bounce, double stiffness, int late_ticks,
                                  double seconds) const noexcept;
     void answer(std::span<WatchedMotion> motions, const SwingTick& tick, const EnergySums& sums,
                 double most, double needed, bool brief) noexcept;

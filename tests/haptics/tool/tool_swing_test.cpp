@@ -157,14 +157,19 @@ TEST(ToolSwings, BouncesUnderAnEvenPushEnd)
             model.hand_stiffness = model.hand_damping = 0;
             model.delay_ticks = 3;
             SimulatedHand hand(model, scene.touching.translation - 1e-3 * Vec3::UnitZ());
+            double lowest = 0;
             double highest = -1;
             for (int tick = 0; tick < 15000; ++tick) {
                 const Vec3 force = renderer.tick(hand.state(), tick_seconds).force;
                 hand.step(force - Vec3(0, 0, 0.5), Vec3::Zero());
                 if (tick < 13000) continue;
-                highest = std::max(highest, hand.position().z() - scene.touching.translation.z());
+                const double height = hand.position().z() - scene.touching.translation.z();
+                lowest = std::min(lowest, height);
+                highest = std::max(highest, height);
             }
             EXPECT_LT(highest, most_swing) << name << ' ' << mass;
+            EXPECT_GT(highest, -most_swing) << name << ' ' << mass;
+            EXPECT_GT(lowest, -most_swing) << name << ' ' << mass;
         }
     }
 }
