@@ -51,8 +51,7 @@ struct WatchedMotion {
     double trusted_leg = 0;  ///< m, of the motion of a hand
     int leg_late = 0;        ///< most ticks in this leg for which the device has not got its force
     int last_leg_late = 0;
-    EnergySums
-        touched; ///< the account at the beginning of the last contact after a flight, or at an answer in it
+    EnergySums touched; ///< the account where the last contact after a flight, or its answer, began
     int bounce_late = 0; ///< most ticks since then for which the device has not got its force
     int bounces = 0; ///< in succession, that the wall threw back faster; strong ones count twice
     double speed_out = 0; ///< m/s, of the last bounce
@@ -79,8 +78,8 @@ public:
     void judge(std::span<WatchedMotion> motions, WatchedMotion& motion, const SwingTick& tick,
                const EnergySums& sums, const SwungContact& contact, double seconds) noexcept;
 
-    /// Weighs a contact between two flights, once it is over. After judge(). A tool's turning makes some
-    /// bounces of its displacement faster, and as many slower: few of them come in succession.
+    /// Weighs a contact between two flights, once it is over. After judge(). A tool that turns bounces
+    /// faster and slower without a wall that gives energy, so that one bounce of it tells nothing.
     void judge_bounce(std::span<WatchedMotion> motions, WatchedMotion& motion, const Bounce& bounce,
                       const EnergySums& sums, const SwungContact& contact, double seconds) noexcept;
 

@@ -31,34 +31,17 @@ def wrong_includes(folder, header):
             yield f"{header} includes {name}"
 
 
-def includes_eigen(folder, header):
-    """Whether a header includes Eigen, itself or by another of ours."""
-    names = [name for _, name in INCLUDE.findall((folder / header).read_text())]
-    return any(name.startswith("Eigen/") or (name.startswith("proxima/") and includes_eigen(folder, name)) for name in names)
-
-
-def compile_alone(header, work, compiler, flags):
+def compile_alone(header, compiler, flags):
     """What the compiler says of a source that includes the header twice and nothing else."""
-    source = work / f"alone_{header.stem}.cpp"
-    source.write_text(2 * f"#include <{header}>\n")
-    if header == FOR_C:
-        flags = ["-x", "c", "-std=c99", "-pedantic", *(flag for flag in flags if not flag.startswith("-std="))]
-    done = subprocess.run([compiler, *flags, "-Wall", "-Wextra", "-Werror", "-fsyntax-only", source], capture_output=True, text=True)
+    with tempfile.TemporaryDirectory() as work:
+        source = Path(work, "alone.cpp")
+        source.write_text(2 * f"#include <{header}>\n")
+        language = []
+        if header == FOR_C:
+            language, flags = ["-x", "c", "-std=c99", "-pedantic"], [flag for flag in flags if not flag.startswith("-std=")]
+        done = subprocess.run([compiler, *language, "-Wall", "-Wextra", "-Werror", "-fsyntax-only", *flags, source],
+                              capture_output=True, text=True)
     return [] if done.returncode == 0 else [f"{header} does not compile alone:\n{done.stderr}"]
-
-
-def compile_each(headers, folder, compiler, flags):
-    """All headers, each alone; of those that include Eigen only Eigen is compiled before, once for all."""
-    with tempfile.TemporaryDirectory() as name, ThreadPoolExecutor(os.cpu_count()) as compilers:
-        work = Path(name)
-        eigen = work / "eigen.h"
-        eigen.write_text("#include <Eigen/Core>\n")
-        # Compiled before, they are not known as headers of the system, whose warnings are left out.
-        with_eigen = [*flags, "-Wno-ignored-attributes"]
-        subprocess.run([compiler, *with_eigen, "-x", "c++-header", eigen, "-o", f"{eigen}.gch"], check=True)
-        with_eigen += ["-include", eigen]
-        return [problem for problems in compilers.map(lambda header: compile_alone(
-            header, work, compiler, with_eigen if includes_eigen(folder, header) else flags), headers) for problem in problems]
 
 
 def main():
@@ -71,7 +54,9 @@ def main():
         problems.append(f"{len(headers)} headers are installed, at most {MOST_HEADERS} should be")
     for header in headers:
         problems += wrong_includes(folder, header)
-    problems += compile_each(headers, folder, compiler, flags)
+    with ThreadPoolExecutor(os.cpu_count()) as compilers:
+        for found in compilers.map(lambda header: compile_alone(header, compiler, flags), headers):
+            problems += found
     for problem in problems:
         print(problem)
     return 1 if problems else 0
