@@ -8,6 +8,8 @@
 #include "haptics/servo_tick.h"
 #include "haptics/wall_swing.h"
 
+#include "haptics/force/swing_bounces.h"
+
 #include <cmath>
 #include <cstdint>
 #include <functional>
@@ -38,6 +40,8 @@ struct HandOutcome {
     double greatest_force = 0; ///< N
     double damped = 0;         ///< part of the ticks in which the guard added damping
     double taken = 0;          ///< by the guards, in the mean, in parts of the mean force
+    int faster =
+        0; ///< contacts after which the device leaves faster than it came, by two hundredths
 };
 
 /// Taps of `depth` below the wall, of which `above` is the part of the way above it. A share `inward`
@@ -64,6 +68,20 @@ inline HandMotion tapping(double per_second, double depth, double above, double 
                                 : 1 + std::cos(std::numbers::pi * (phase - inward) / (1 - inward));
         const double way = depth / (1 - above);
         return Vec3(0, 0, above * way - state.size * way * down / 2);
+    };
+}
+
+/// To a depth at one speed, held there for half a second, and up to a height at another speed.
+inline HandMotion pressing(double height, double depth, double speed_in, double speed_out)
+{
+    return [=](double seconds) {
+        constexpr double hold = 0.5;
+        const double way = height + depth;
+        const double phase =
+            std::fmod(seconds, way / speed_in + hold + way / speed_out) - way / speed_in;
+        const double below =
+            phase < 0 ? way + speed_in * phase : way - speed_out * std::max(phase - hold, 0.0);
+        return Vec3(0, 0, height - below);
     };
 }
 
@@ -171,6 +189,7 @@ inline HandOutcome run_hand_session(const SwingWall& wall, const HandSession& se
     const Vec3 start(0, 0, 0.002);
     SimulatedHand hand(session.hand.value_or(HandModel{}), start);
     HandOutcome outcome;
+    BounceDetector contacts;
     DeviceReading reading;
     Vec3 before = start;
     HandMotion path = session.path;
@@ -198,6 +217,10 @@ inline HandOutcome run_hand_session(const SwingWall& wall, const HandSession& se
         const DeviceCommand command = input.command(renderer);
         if (session.hand) hand.step(command.force, target);
         outcome.greatest_force = std::max(outcome.greatest_force, felt.force.norm());
+        const Bounce contact = contacts.watch(felt.position, felt.force, Vec3::Zero(), tick_seconds,
+                                              session.device.max_force);
+        const bool fast = contact.left && contact.speed_in > 0.02;
+        outcome.faster += fast && contact.speed_out > 1.02 * contact.speed_in ? 1 : 0;
         if (tick < 0) continue;
         const Vec3 spring = shortened(felt.spring, session.device.max_force);
         whole += spring.norm();

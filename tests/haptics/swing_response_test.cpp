@@ -11,14 +11,15 @@ namespace {
 constexpr double tick_seconds = 0x1p-10;
 constexpr SwungContact contact{.stiffness = 2000, .most_damping = 10};
 
-/// An account in which all delays gave the same, J, by a motion that was in contact all the time.
+/// An account in which all delays gave the same, J, by a motion that was in contact all the time with a
+/// surface at rest.
 EnergySums sums_of(double given, double motion)
 {
-    EnergySums sums;
+    MotionSums sums;
     sums.given.fill(given);
     sums.motion = motion;
     sums.motion_in_contact = motion;
-    return sums;
+    return {sums, sums};
 }
 
 /// One motion whose ticks say what a test wants.
@@ -134,7 +135,7 @@ void move_by_hand(SwingResponse& response, std::span<WatchedMotion> motions, Ene
         SwingTick seen = motions[0].swing.watch(Vec3(at, 0, 0), Vec3(1, 0, 0), tick_seconds);
         if (!seen.turned) continue;
         seen.reported = false;
-        sums = sums_of(sums.given[0] + given, sums.motion + 5);
+        sums = sums_of(sums.own.given[0] + given, sums.own.motion + 5);
         response.judge(motions, motions[0], seen, sums, contact, tick_seconds);
     }
 }
@@ -166,16 +167,17 @@ TEST(SwingResponse, TrustsAHandThatMovesThoughTheContactTakesEnergy)
 class Bounced {
 public:
     void bounce(double speed_in, double speed_out, double given = 2, double flight = 0.5,
-                double contact_seconds = 0.02)
+                double contact_seconds = 0.02, double at_limit = 0)
     {
         const auto judge = [&](const Bounce& bounce) {
             response.judge_bounce(motions_, motions_[0], bounce, sums_, contact, tick_seconds);
         };
         judge({.touched = true});
-        sums_ = sums_of(sums_.given[0] + given, sums_.motion + 10);
+        sums_ = sums_of(sums_.own.given[0] + given, sums_.own.motion + 10);
         judge({.left = true,
                .flight = flight,
                .contact = contact_seconds,
+               .touching = contact_seconds + at_limit,
                .speed_in = speed_in,
                .speed_out = speed_out});
     }
@@ -216,6 +218,8 @@ TEST(SwingResponse, LeavesBouncesThatNoWallMakesFaster)
     EXPECT_FALSE(acts(0.3, 0.35, 2, 4)) << "too long ago";
     EXPECT_FALSE(acts(0.3, 0.31, 2, 0.5, 0.06)) << "of more than a device and a finger weigh";
     EXPECT_FALSE(acts(0.01, 0.011)) << "too slow to tell";
+    EXPECT_TRUE(acts(0.3, 0.35, 2, 0.5, 0.02, 0.1)) << "longer, for the force was at its limit";
+    EXPECT_FALSE(acts(0.3, 0.35, 2, 0.5, 0.02, 0.4)) << "who presses so long begins anew";
     // By a hand, which makes it faster in each flight as well; and by the wall alone.
     for (const double in_flight : {1.2, 1.0}) {
         Bounced thrown;
@@ -233,7 +237,7 @@ TEST(SwingResponse, TrustsNoHandBeforeAnythingWasDamped)
     EnergySums sums;
     move_by_hand(response, motions, sums, -1, 0);
     response.judge(motions, motions[0], {.reported = true, .legs = 2, .length = 1e-3, .contact = 1},
-                   sums_of(sums.given[0] + 10, sums.motion + 10), contact, tick_seconds);
+                   sums_of(sums.own.given[0] + 10, sums.own.motion + 10), contact, tick_seconds);
     EXPECT_TRUE(response.acts());
 }
 

@@ -3,6 +3,7 @@
 //     F     the force that the device gets, held for a tick
 //     E     the spring's part of it, without damping
 //     g_n   += F(k - n) . dx(k) - (E(k) + E(k+1)) / 2 . dx(k)        n = 0 to 3 ticks of delay
+//     dx    the step in the frame of what carries the device, or against the surface
 //
 // The second term is what the spring gives back of what it took: without it a hand that presses and
 // lets go would seem to be pushed, and stored energy would hide what an oscillation gains. What is
@@ -25,15 +26,21 @@ namespace proxima {
 /// The longest delay of a force, in ticks, that is reckoned with.
 inline constexpr std::size_t most_delay_ticks = 3;
 
-/// Sums since restart(): differences between two ticks are those of the motion between them.
-struct EnergySums {
+/// Sums since restart() of one of the two steps.
+struct MotionSums {
     std::array<double, most_delay_ticks + 1> given = {}; ///< J, by ticks of delay
     double motion = 0;                                   ///< J s / kg: of v^2, by time
     double motion_in_contact = 0;                        ///< the part where a force acts
-    double relative_motion = 0;                          ///< as motion, against the surface
 
     /// The most that was given since an earlier tick, whatever the delay, J.
-    [[nodiscard]] double most_given_since(const EnergySums& earlier) const noexcept;
+    [[nodiscard]] double most_given_since(const MotionSums& earlier) const noexcept;
+    MotionSums& operator+=(const MotionSums& other) noexcept;
+};
+
+/// Differences between two ticks are those of the motion between them.
+struct EnergySums {
+    MotionSums own;      ///< in the frame
+    MotionSums relative; ///< against the surface
 };
 
 /// One per device. noexcept, no allocation, O(1).
@@ -52,12 +59,15 @@ public:
     [[nodiscard]] const EnergySums& sums() const noexcept { return sums_; }
 
 private:
-    struct Tick {
+    struct Place {
         Vec3 position = Vec3::Zero();
-        Vec3 relative = Vec3::Zero(); ///< to the surface
+        double returned = 0; ///< J, by the spring in the step to here
+    };
+    struct Tick {
+        Place own;
+        Place relative;
         Vec3 spring = Vec3::Zero();
         Vec3 force = Vec3::Zero();
-        double returned = 0; ///< J, by the spring in the step to here
     };
     static constexpr std::size_t window = 10;
     static constexpr std::size_t kept = 16;
@@ -65,10 +75,12 @@ private:
 
     /// The tick so many ticks ago.
     [[nodiscard]] Tick& at(std::size_t ago) noexcept { return ticks_[(now_ - ago) % kept]; }
+    void add_step(Place Tick::*place, double& returned, MotionSums& sums, double seconds) noexcept;
 
     std::array<Tick, kept> ticks_ = {};
     std::size_t now_ = kept; ///< number of the last tick, from `kept` on
     double returned_ = 0;    ///< J, in the window
+    double relative_returned_ = 0;
     EnergySums sums_;
 };
 

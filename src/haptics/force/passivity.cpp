@@ -37,7 +37,8 @@ Vec3 PassivityGuard::pass(const Vec3& position, const Vec3& velocity, const Cont
         surface_damping_ = force.damping;
     }
     const Bounce bounce =
-        motion_.bouncing.watch(position, force.spring - force.aside, seconds, max_force_);
+        motion_.bouncing.watch(position - force.surface, force.spring - force.aside,
+                               force.surface_velocity, seconds, max_force_);
     const SwungContact contact{stiffness_, std::max(max_damping_ - surface_damping_, 0.0)};
     response_.judge(motions(), motion_, tick, account_.sums(), contact, seconds);
     response_.judge_bounce(motions(), motion_, bounce, account_.sums(), contact, seconds);

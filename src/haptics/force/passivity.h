@@ -34,6 +34,7 @@ struct ContactForce {
     Vec3 aside = Vec3::Zero();
     /// m: how far the surface has moved in the frame in which the device's positions are
     Vec3 surface = Vec3::Zero();
+    Vec3 surface_velocity = Vec3::Zero(); ///< m/s, in space
 };
 
 /// One per device. noexcept, no allocation, O(1).
@@ -60,7 +61,8 @@ public:
     /// Whether the last contact is so long ago that motions in it no longer matter.
     [[nodiscard]] bool is_away() const noexcept
     {
-        return motion_.swing.is_away() && !(motion_.bounces > 0 && motion_.bouncing.is_bouncing());
+        const bool may_return = motion_.speed_out > 0 && motion_.bouncing.is_bouncing();
+        return motion_.swing.is_away() && !may_return;
     }
 
     /// s as it is applied, 1 where no contact has oscillated.

@@ -419,6 +419,7 @@ const RenderTick& SurfaceRenderer::tick(const DeviceState& state, double seconds
         ContactForce contact;
         if (touching) contact = contact_force(proxy, device, force);
         contact.surface = ground_ - frame_position_;
+        contact.surface_velocity = tick_.surface_velocity;
         force =
             passivity_.pass(tick_.position - frame_position_, guarded_velocity, contact, seconds);
         if (passivity_.is_away() && ground_ != Vec3::Zero()) {

@@ -9,6 +9,8 @@
 // A wall that gives energy throws the device back faster than it came. A hand that pushes evenly, or
 // pulls like a spring, does no work from touch to leaving. So whatever it does in the flight, and however
 // long that lasts, the speeds tell what the wall did, but for a hand that works within the contact.
+// Speeds are those against the surface: one that comes or goes would seem to give energy or to take it.
+// A force that rises anew before the last one has ended goes on with the same contact.
 #pragma once
 
 #include "haptics/force/energy_account.h"
@@ -25,7 +27,8 @@ struct Bounce {
     bool left = false;    ///< it is over: what follows is of it
     double flight = 0;    ///< s, before it
     double contact = 0;   ///< s, without the time in which the force was at its limit
-    double speed_in = 0;  ///< m/s
+    double touching = 0;  ///< s, with it
+    double speed_in = 0;  ///< m/s, against the surface
     double speed_out = 0; ///< m/s
 };
 
@@ -36,8 +39,10 @@ public:
     static constexpr double longest_flight = 3;
     static constexpr double longest_contact = 0.25; ///< s
 
-    /// Like SwingDetector::watch().
-    [[nodiscard]] Bounce watch(const Vec3& position, const Vec3& force, double seconds,
+    /// Like SwingDetector::watch(), with positions less the way of what is touched, and its velocity in
+    /// space, which counts where there is a force.
+    [[nodiscard]] Bounce watch(const Vec3& position, const Vec3& force,
+                               const Vec3& surface_velocity, double seconds,
                                double most_force) noexcept;
 
     void restart() noexcept { *this = {}; }
@@ -67,17 +72,17 @@ private:
         return ticks_[(now_ - ago) % kept];
     }
     [[nodiscard]] double speed(std::size_t ago) const noexcept;
-    void touch(const Vec3& along) noexcept;
+    void touch(const Vec3& along, const Vec3& surface_velocity) noexcept;
 
     std::array<Tick, kept> ticks_ = {};
     std::size_t now_ = kept;     ///< number of the last tick, from `kept` on
     Vec3 axis_ = Vec3::Zero();   ///< of the contact's first force
     double flight_ = 0;          ///< s since the last force
-    double touching_ = 0;        ///< s, of the last contact, whatever its force
+    double touching_ = 0;        ///< s in contact, since a flight that counts
+    double surface_speed_ = 0;   ///< m/s, along the axis, in the last tick with a force
     std::size_t free_ticks_ = 0; ///< likewise, in ticks
-    bool touches_ = false;
-    bool counts_ = false; ///< the contact came after a flight, and pushes along one axis
-    Bounce last_;         ///< the contact so far
+    bool counts_ = false;        ///< the contact came after a flight, and pushes along one axis
+    Bounce last_;                ///< the contact so far
 };
 
 } // namespace proxima

@@ -143,10 +143,10 @@ void SwingResponse::judge(std::span<WatchedMotion> motions, WatchedMotion& motio
                           const SwungContact& contact, double seconds) noexcept
 {
     if (!tick.turned && !tick.reported) return;
-    const double given = sums.most_given_since(motion.cycle_began);
-    const double moved = sums.motion - motion.cycle_began.motion;
-    const double in_contact = sums.motion_in_contact - motion.cycle_began.motion_in_contact;
-    const double relative = sums.relative_motion - motion.cycle_began.relative_motion;
+    const double given = sums.own.most_given_since(motion.cycle_began.own);
+    const double moved = sums.own.motion - motion.cycle_began.own.motion;
+    const double in_contact = sums.own.motion_in_contact - motion.cycle_began.own.motion_in_contact;
+    const double relative = sums.relative.motion - motion.cycle_began.relative.motion;
     motion.gives = given > least_device_damping * moved && moved >= own_part * relative;
     // Beyond doubt, as for gives.
     if (tick.turned) trust_hand(motions, motion, given + least_device_damping * moved);
@@ -187,16 +187,19 @@ void SwingResponse::judge_bounce(std::span<WatchedMotion> motions, WatchedMotion
         motion.bounce_late = 0;
     }
     if (!bounce.left) return;
-    const double given = sums.most_given_since(motion.touched);
-    const double in_contact = sums.motion_in_contact - motion.touched.motion_in_contact;
-    const double moved = sums.motion - motion.touched.motion;
-    const double relative = sums.relative_motion - motion.touched.relative_motion;
+    // Against the surface: one that goes away takes what it is given, and gives what it took, by going.
+    const double given = sums.relative.most_given_since(motion.touched.relative);
+    const double in_contact =
+        sums.relative.motion_in_contact - motion.touched.relative.motion_in_contact;
+    const double moved = sums.own.motion - motion.touched.own.motion;
+    const double relative = sums.relative.motion - motion.touched.relative.motion;
     const bool gives = given > least_device_damping * in_contact && moved >= own_part * relative;
     // Who throws a device at a wall gives it in the flight what the wall takes.
     const bool flew = bounce.speed_in <= most_flight_gain * motion.speed_out;
-    const bool goes_on = bounce.flight <= BounceDetector::longest_flight;
-    motion.thrown =
-        motion.thrown && flew && goes_on && bounce.contact <= BounceDetector::longest_contact;
+    // Who rests or presses in between begins anew.
+    const bool goes_on = bounce.flight <= BounceDetector::longest_flight &&
+                         bounce.touching <= BounceDetector::longest_contact;
+    motion.thrown = motion.thrown && flew && goes_on;
     const bool drives = gives && goes_on &&
                         may_throw(bounce, contact.stiffness, motion.bounce_late, seconds) &&
                         (motion.thrown || bounce.flight >= least_flight);

@@ -90,8 +90,10 @@ Wrench ToolGuard::guarded(const ToolPull& pull, double seconds) noexcept
         whole.tail<3>() =
             torque_ramp_.pass(relative_.tail<3>(), velocity.tail<3>(), whole.tail<3>(), seconds);
     }
-    const Vec6 result =
-        passivity_.pass(position_, own_velocity, position_ - relative_, spring, whole, seconds);
+    TouchedGround touched;
+    touched.moved = position_ - relative_;
+    if (pull.ground_seconds > 0) touched.velocity = ground / pull.ground_seconds;
+    const Vec6 result = passivity_.pass(position_, own_velocity, touched, spring, whole, seconds);
     return {result.head<3>(), turning_lever * result.tail<3>()};
 }
 

@@ -24,11 +24,8 @@ EnergySums ToolPassivity::sums() const noexcept
 {
     EnergySums sums = linear_.sums();
     const EnergySums& turns = angular_.sums();
-    for (std::size_t delay = 0; delay < sums.given.size(); ++delay)
-        sums.given[delay] += turns.given[delay];
-    sums.motion += turns.motion;
-    sums.motion_in_contact += turns.motion_in_contact;
-    sums.relative_motion += turns.relative_motion;
+    sums.own += turns.own;
+    sums.relative += turns.relative;
     return sums;
 }
 
@@ -61,14 +58,14 @@ Vec6 ToolPassivity::guarded(const Vec6& spring, const Vec6& whole,
     return response_.answered(clamped(pull), velocity);
 }
 
-Vec6 ToolPassivity::pass(const Vec6& position, const Vec6& velocity, const Vec6& surface,
+Vec6 ToolPassivity::pass(const Vec6& position, const Vec6& velocity, const TouchedGround& ground,
                          const Vec6& spring, const Vec6& whole, double seconds) noexcept
 {
     if (mode_ == Guard::off) return whole;
     response_.recover(motions_, seconds);
     const Vec6 stored = response_.softness() * clamped(spring);
-    linear_.add(position.head<3>(), stored.head<3>(), seconds, surface.head<3>());
-    angular_.add(position.tail<3>(), stored.tail<3>(), seconds, surface.tail<3>());
+    linear_.add(position.head<3>(), stored.head<3>(), seconds, ground.moved.head<3>());
+    angular_.add(position.tail<3>(), stored.tail<3>(), seconds, ground.moved.tail<3>());
     const EnergySums now = sums();
     const bool full = spring.head<3>().norm() >= limits_.max_force;
     const bool turns_fully = spring.tail<3>().norm() >= limits_.max_turning_force;
@@ -84,7 +81,8 @@ Vec6 ToolPassivity::pass(const Vec6& position, const Vec6& velocity, const Vec6&
     }
     WatchedMotion& shift = motions_.front(); // that of the whole force
     const Bounce bounce =
-        shift.bouncing.watch(position.head<3>(), spring.head<3>(), seconds, limits_.max_force);
+        shift.bouncing.watch(position.head<3>() - ground.moved.head<3>(), spring.head<3>(),
+                             ground.velocity.head<3>(), seconds, limits_.max_force);
     response_.judge_bounce(motions_, shift, bounce, now, {limits_.stiffness, limits_.max_damping},
                            seconds);
     const Vec6 result = guarded(spring, whole, velocity);

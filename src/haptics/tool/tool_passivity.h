@@ -37,6 +37,12 @@ struct ToolPullLimits {
     double turning_damping = 0;
 };
 
+/// What a tool touches.
+struct TouchedGround {
+    Vec6 moved = Vec6::Zero();    ///< so far, in the frame in which the tool's positions are
+    Vec6 velocity = Vec6::Zero(); ///< per second, in space; zero away from contacts
+};
+
 /// One per device. noexcept, no allocation, O(1).
 class ToolPassivity {
 public:
@@ -44,8 +50,8 @@ public:
     {}
 
     /// The pull for the next tick, from that of the springs and that with their damping; both zero
-    /// away from contacts. `surface`: how far what is touched has moved in the frame. \pre all finite, seconds > 0
-    [[nodiscard]] Vec6 pass(const Vec6& position, const Vec6& velocity, const Vec6& surface,
+    /// away from contacts. \pre all finite, seconds > 0
+    [[nodiscard]] Vec6 pass(const Vec6& position, const Vec6& velocity, const TouchedGround& ground,
                             const Vec6& spring, const Vec6& whole, double seconds) noexcept;
 
     /// The pull that the device got after later guards.
