@@ -3,7 +3,7 @@
  *     proxima touch cube --device hand:press --engine udp:4712      in one terminal
  *     engine_client udp:4712                                        in another
  *
- * C99 and POSIX; of the compiler the atomics of GCC and Clang. struct channel and the functions channel_... are all
+ * C99, POSIX and flock(); of the compiler the atomics of GCC and Clang. struct channel and the functions channel_... are all
  * that a program of your own needs. They take the machine for little-endian, as the packets are. */
 #define _POSIX_C_SOURCE 200809L
 #include <arpa/inet.h>
@@ -15,6 +15,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/file.h>
 #include <sys/mman.h>
 #include <sys/socket.h>
 #include <sys/stat.h>
@@ -111,12 +112,30 @@ static int open_udp(struct channel* channel, const char* name, const char* rest)
     return 1;
 }
 
+/* Whether a ring is within the memory, and each slot has room for a number and a packet. */
+static int fits(const struct channel* channel, const struct ring* ring, size_t packet_size)
+{
+    const uint64_t size = (uint64_t)ring->slot_size * ring->slots;
+    return ring->slots > 0 && ring->slot_size >= 8 + packet_size && ring->offset % 8 == 0 &&
+           ring->slot_size % 8 == 0 && ring->count_offset % 8 == 0 &&
+           ring->offset + size <= channel->mapped &&
+           (uint64_t)ring->count_offset + 8 <= channel->mapped;
+}
+
 /* Null, or what is wrong with the segment. */
 static const char* map_segment(struct channel* channel)
 {
+    static const char* const unfinished = "is no channel of Proxima, or not set up yet";
     struct stat there;
     struct segment_header header;
     struct flock lock;
+    uint64_t word;
+    /* Proxima holds this lock while it runs. What a killed one left, the next one takes over. */
+    if (flock(channel->file, LOCK_SH | LOCK_NB) == 0) {
+        flock(channel->file, LOCK_UN);
+        return "the program that made it has ended";
+    }
+    /* One engine at a time. This lock is the process's: it does not keep two channels of one program apart. */
     memset(&lock, 0, sizeof lock);
     lock.l_type = F_WRLCK;
     lock.l_whence = SEEK_SET;
@@ -131,15 +150,21 @@ static const char* map_segment(struct channel* channel)
         channel->memory = NULL;
         return strerror(errno);
     }
+    /* First the flags: where they say that it is open, the rest is written. */
+    word = __atomic_load_n((uint64_t*)(channel->memory + 8), __ATOMIC_ACQUIRE);
     memcpy(&header, channel->memory, sizeof header);
+    memcpy(&header.endianness, &word, sizeof word);
     if (memcmp(header.magic, "PXSM", 4) != 0 || header.endianness != 0x01020304u ||
         header.segment_size != channel->mapped)
-        return "is no channel of Proxima, or not set up yet";
+        return unfinished;
     if (header.version != VERSION)
         return "Proxima has another version of the protocol: use two that fit each other";
     if ((header.flags & 1u) == 0) return "the program that made it has ended";
     channel->touch = header.touch;
     channel->scene = header.scene;
+    if (!fits(channel, &channel->touch, sizeof(struct touch_packet)) ||
+        !fits(channel, &channel->scene, sizeof(struct scene_packet)))
+        return unfinished;
     channel->read = __atomic_load_n((uint64_t*)(channel->memory + channel->touch.count_offset),
                                     __ATOMIC_ACQUIRE);
     channel->written = __atomic_load_n((uint64_t*)(channel->memory + channel->scene.count_offset),
@@ -220,6 +245,7 @@ static int channel_receive(struct channel* channel, struct touch_packet* packet)
         const uint64_t written = __atomic_load_n(
             (uint64_t*)(channel->memory + channel->touch.count_offset), __ATOMIC_ACQUIRE);
         int whole = 0;
+        if (written < channel->read) channel->read = 0; /* Proxima was started anew */
         if (written - channel->read > channel->touch.slots)
             channel->read = written - channel->touch.slots;
         while (!whole && channel->read != written) {

@@ -138,7 +138,14 @@ class SharedMemoryChannel(Channel):
 
     def join(self, path):
         """Locks and maps the file. Returns where its two rings are."""
-        try:
+        try:  # Proxima holds this lock while it runs; what a killed one left, the next one takes over
+            fcntl.flock(self.file, fcntl.LOCK_SH | fcntl.LOCK_NB)
+        except OSError:
+            pass
+        else:
+            fcntl.flock(self.file, fcntl.LOCK_UN)
+            raise ChannelError(f"the program that made {path} has ended")
+        try:  # one engine at a time; the lock is the process's, and does not keep two channels of one program apart
             fcntl.lockf(self.file, fcntl.LOCK_EX | fcntl.LOCK_NB, 1)
         except OSError:
             raise ChannelError(f"another engine uses {path}") from None

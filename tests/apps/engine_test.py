@@ -51,7 +51,8 @@ class EngineTest(ProgramTest):
 class Sessions(EngineTest):
     def feel(self, channel, *client):
         session, report_file = self.folder / "engine.pxt", self.folder / "report.json"
-        program = self.start(channel, "--record", session, "--json", report_file)
+        # No longer, for the program makes room for the whole recording before its first tick.
+        program = self.start(channel, "--record", session, "--json", report_file, seconds=60)
         result = self.client(*client)
         _, errors = self.stop(program)
         self.assertEqual(result.returncode, 0, result.stderr)
@@ -143,6 +144,68 @@ class Endings(EngineTest):
                     os.close(channel.file)
             self.stop(program)
             self.assertEqual(json.loads(report_file.read_text())["engine"]["sessions"], 2)
+
+
+class Restarts(EngineTest):
+    """Proxima is killed and started anew, with the shared memory that it left."""
+
+    def counts(self, name):
+        """How many touch packets and scene packets were written to a segment."""
+        try:
+            memory = segment_of(name).read_bytes()
+            return struct.unpack_from("<Q", memory, 64)[0], struct.unpack_from("<Q", memory, 128)[0]
+        except (FileNotFoundError, struct.error):
+            return 0, 0
+
+    def wait_until(self, condition):
+        end = time.monotonic() + PATIENCE
+        while not condition():
+            self.assertLess(time.monotonic(), end)
+            time.sleep(0.005)
+
+    def begin(self, *command):
+        client = subprocess.Popen(list(map(str, command)), text=True, stdout=subprocess.PIPE, stderr=subprocess.PIPE)
+        self.addCleanup(client.stdout.close)
+        self.addCleanup(client.stderr.close)
+        self.addCleanup(client.wait)
+        self.addCleanup(client.kill)
+        return client
+
+    def clients(self, channel, seconds):
+        return (CLIENT_C, channel, seconds), (sys.executable, "-B", CLIENT_PY, channel, "--seconds", seconds)
+
+    def test_clients_go_on(self):
+        name, report_file = f"anew-{os.getpid()}", self.folder / "report.json"
+        for command in self.clients(f"shm:{name}", 2):
+            program = self.start(f"shm:{name}")
+            client = self.begin(*command)
+            self.wait_until(lambda: self.counts(name)[1] > 20)
+            program.kill()
+            program.wait(PATIENCE)
+            again = self.start(f"shm:{name}", "--json", report_file)
+            output, errors = client.communicate(timeout=PATIENCE)
+            self.assertEqual((client.returncode, errors), (0, ""))
+            self.assertNotIn("no longer answers", output)
+            self.stop(again)
+            self.assertGreater(json.loads(report_file.read_text())["engine"]["accepted"], 10)
+
+    def test_clients_wait_for_an_owner(self):
+        name = f"stale-{os.getpid()}"
+        for command in self.clients(f"shm:{name}", 0.3):
+            program = self.start(f"shm:{name}")
+            self.wait_until(lambda: self.counts(name)[0] > 0)
+            program.kill()
+            program.wait(PATIENCE)
+            with self.assertRaisesRegex(engine_client.ChannelError, "has ended"):
+                engine_client.open_channel(f"shm:{name}")
+            client = self.begin(*command)
+            time.sleep(0.4)
+            self.assertEqual((client.poll(), self.counts(name)[1]), (None, 0))
+            again = self.start(f"shm:{name}")
+            output, errors = client.communicate(timeout=PATIENCE)
+            self.assertEqual((client.returncode, errors), (0, ""))
+            self.assertRegex(output, r"^[1-9]\d* ticks received")
+            self.stop(again)
 
 
 class Words(EngineTest):

@@ -211,6 +211,53 @@ TEST(EngineLink, AnObjectArrivesAfterAPeriod)
     EXPECT_NEAR(cubes.scene.pose(ObjectId{0}).translation.x(), 0.3, 1e-12);
 }
 
+// Two objects, each with a pose every 16 ms, and packets without poses just before: each motion takes 16 ms.
+TEST(EngineLink, PeriodsAreThoseOfTheObjectsPoses)
+{
+    TwoCubes cubes;
+    const auto link = link_at("udp:0");
+    std::uint64_t sequence = 0;
+    const auto give_at = [&](ScenePacket packet, std::uint64_t tick, std::int64_t earlier) {
+        packet.sequence = ++sequence;
+        packet.nanoseconds -= static_cast<std::uint64_t>(earlier);
+        link->take(bytes_of(packet), {}, time_of(tick) - earlier);
+    };
+    constexpr std::uint64_t period = 16;
+    std::array<double, 2> from{};
+    for (std::uint64_t tick = 0; tick < 160; ++tick) {
+        const std::uint64_t object = tick % period == 0 ? 0 : 1;
+        if (tick % 8 == 0) {
+            // One that keeps the session alive, and one with a material.
+            give_at(scene_packet(0, time_of(tick)), tick, 100'000);
+            ScenePacket material = scene_packet(0, time_of(tick));
+            add_pose(material, 0, {}).flags = PacketObject::has_material;
+            give_at(material, tick, 50'000);
+            ScenePacket packet = scene_packet(0, time_of(tick));
+            add_pose(packet, static_cast<std::uint32_t>(object),
+                     {0.01 * static_cast<double>(tick), 0, object == 0 ? -1.0 : 5.0});
+            // A lost packet between two poses makes the time between packets half as long.
+            if (tick == 144) ++sequence;
+            give_at(packet, tick, 0);
+            from[object] =
+                cubes.scene.pose(ObjectId{static_cast<std::uint32_t>(object)}).translation.x();
+        }
+        (void)link->receive(cubes.scene, tick, tick_seconds, time_of(tick));
+        (void)cubes.scene.advance(tick_seconds);
+        if (tick < 48) continue; // the first motions take a period that is not known yet
+        for (const std::uint32_t moved : {0U, 1U}) {
+            const std::uint64_t since = (tick + 8 * moved) % period + 1;
+            const std::uint64_t told = tick + 1 - since;
+            const double takes = told >= 144 ? 8 : 16;
+            const double part = std::min(1.0, static_cast<double>(since) / takes);
+            const double to = 0.01 * static_cast<double>(told);
+            ASSERT_NEAR(cubes.scene.pose(ObjectId{moved}).translation.x(),
+                        from[moved] + part * (to - from[moved]), 1e-9)
+                << "object " << moved << ", tick " << tick;
+        }
+    }
+    EXPECT_EQ(link->report().lost, 1U);
+}
+
 // With velocities it goes on when a packet is lost, and rests when the engine is silent.
 TEST(EngineLink, AnObjectCoastsForTwoPeriods)
 {
@@ -301,7 +348,8 @@ TEST(EngineLink, WhatCannotBeIsRefusedAndCounted)
         object.material = {400, 1, 0.4, 0.3};
         change(object);
         give(*link, cubes.scene, packet, tick);
-        for (int i = 0; i < 50; ++i) (void)cubes.scene.advance(tick_seconds);
+        // As long as the motion of an object takes whose last pose came long ago.
+        for (int i = 0; i < 100; ++i) (void)cubes.scene.advance(tick_seconds);
     };
     const std::vector<std::function<void(PacketObject&)>> wrong = {
         [](PacketObject& o) { o.object = 2; },
@@ -365,6 +413,27 @@ TEST(EngineLink, WhatCannotBeIsRefusedAndCounted)
     EXPECT_NE(link->trouble().find("have version 7 of the protocol, and this program has 2"),
               std::string::npos)
         << link->trouble();
+}
+
+TEST(EngineLink, AMaterialCountsBesideAPoseOutOfBounds)
+{
+    TwoCubes cubes;
+    const auto link = link_at("udp:0");
+    ScenePacket packet = scene_packet(1, time_of(0));
+    for (const std::uint32_t object : {0U, 2U}) { // the second is not in the scene
+        PacketObject& added = add_pose(packet, object, {0, 19.5, 0});
+        added.flags |= PacketObject::has_material;
+        added.material = {200, 2, 0.8, 0.5};
+    }
+    link->take(bytes_of(packet), {}, time_of(0));
+    const auto messages = link->receive(cubes.scene, 0, tick_seconds, time_of(0));
+    ASSERT_EQ(messages.size(), 1U);
+    EXPECT_TRUE(messages[0].has_material);
+    EXPECT_FALSE(messages[0].has_motion);
+    EXPECT_EQ(messages[0].material.stiffness, 200);
+    EXPECT_EQ(link->report().refused_objects, 2U);
+    EXPECT_EQ(link->report().motions, 0U);
+    EXPECT_EQ(link->report().materials, 1U);
 }
 
 TEST(EngineLink, OneEngineAtATimeAndOnlyWhileItIsThere)

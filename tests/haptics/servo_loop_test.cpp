@@ -6,7 +6,9 @@
 
 #include <algorithm>
 #include <chrono>
+#include <fstream>
 #include <random>
+#include <string>
 #include <thread>
 #include <vector>
 
@@ -86,6 +88,34 @@ TEST(ServoLoop, ReportsWhatTheSystemDidNotGrant)
     const ServoStatistics seen = run_servo_loop({.ticks = 3, .pace = Pace::real_time},
                                                 [](std::uint64_t) { return Flow::proceed; });
     EXPECT_EQ(seen.real_time_priority && seen.locked_memory, seen.note.empty()) << seen.note;
+}
+
+/// Locked memory of this process in kB, as the system tells.
+long locked_memory()
+{
+    std::ifstream status("/proc/self/status");
+    for (std::string line; std::getline(status, line);)
+        if (line.starts_with("VmLck:")) return std::stol(line.substr(6));
+    return 0;
+}
+
+TEST(ServoLoop, MemoryStaysLockedUntilTheLastLoopEnds)
+{
+    const ServoOptions once = {.ticks = 1, .pace = Pace::real_time};
+    long alone = 0;
+    long after_another = 0;
+    const ServoStatistics seen = run_servo_loop(once, [&](std::uint64_t) {
+        alone = locked_memory();
+        std::thread([&] {
+            (void)run_servo_loop(once, [](std::uint64_t) { return Flow::proceed; });
+        }).join();
+        after_another = locked_memory();
+        return Flow::proceed;
+    });
+    if (!seen.locked_memory || alone == 0)
+        GTEST_SKIP() << "this program may not lock memory: " << seen.note;
+    EXPECT_GT(after_another, 0);
+    EXPECT_EQ(locked_memory(), 0);
 }
 
 } // namespace

@@ -101,6 +101,44 @@ TEST(HdDevice, RestsForHalfASecondAfterAForceError)
     EXPECT_EQ(stub.state.forces_enabled, 2); // once more, after the rest
 }
 
+TEST(HdDevice, TheRestIsHalfASecondAtAnyRate)
+{
+    Stub stub(STUB_HD);
+    auto device = open_hd_device({.library = STUB_HD});
+    ASSERT_TRUE(device);
+    stub.state.force_error = 10;
+    int rests = 0;
+    (void)(*device)->run({.rate = 500, .ticks = 600}, [&](std::uint64_t) noexcept {
+        rests += (*device)->read().state.condition == InputCondition::unsure ? 1 : 0;
+        (*device)->write({});
+        return Flow::proceed;
+    });
+    EXPECT_EQ(rests, 250);
+}
+
+TEST(HdDevice, SaysThatTheDriverLacksARate)
+{
+    Stub stub(STUB_HD);
+    auto device = open_hd_device({.library = STUB_HD});
+    ASSERT_TRUE(device);
+    const auto note_at = [&](double rate) {
+        return (*device)
+            ->run({.rate = rate, .ticks = 20},
+                  [&](std::uint64_t) noexcept {
+                      (void)(*device)->read();
+                      (*device)->write({});
+                      return Flow::proceed;
+                  })
+            .note;
+    };
+    const std::string note = note_at(3000);
+    EXPECT_NE(note.find("keeps a rate of its own, for it refused 3000 Hz: Invalid value"),
+              std::string::npos)
+        << note;
+    EXPECT_EQ((*device)->trouble(), "");
+    EXPECT_EQ(note_at(1000), "ticks are called by libHD's scheduler");
+}
+
 TEST(HdDevice, EndsTheSessionWhenTheDriverHangs)
 {
     Stub stub(STUB_HD);
@@ -110,6 +148,19 @@ TEST(HdDevice, EndsTheSessionWhenTheDriverHangs)
     const SessionResult session = touch_hd(stub, **device);
     EXPECT_EQ(session.recording.ticks.size(), 100U);
     EXPECT_NE((*device)->trouble().find("scheduler stopped calling"), std::string::npos);
+}
+
+TEST(HdDevice, SaysWhyTheSchedulerDoesNotRun)
+{
+    Stub stub(STUB_HD);
+    auto device = open_hd_device({.library = STUB_HD});
+    ASSERT_TRUE(device);
+    stub.state.fail_start = 1;
+    const ServoStatistics seen =
+        (*device)->run({.ticks = 1}, [](std::uint64_t) noexcept { return Flow::proceed; });
+    EXPECT_EQ(seen.ticks, 0U);
+    EXPECT_EQ((*device)->trouble(),
+              "the driver's scheduler does not run: Device fault (error 768, internal -42)");
 }
 
 TEST(HdDevice, DetectsBadSamples)
@@ -228,6 +279,19 @@ TEST(DhdDevice, ReportsWhatIsMissing)
     ASSERT_FALSE(failing);
     EXPECT_NE(failing.error().message.find("cannot open dhd:0: communication error"),
               std::string::npos);
+}
+
+TEST(DhdDevice, IsClosedWhereItsForcesCannotBeEnabled)
+{
+    Stub stub(STUB_DHD);
+    ::setenv("PROXIMA_STUB", "fail_enable=1", 1);
+    const auto failing = open_dhd_device({.library = STUB_DHD});
+    ::unsetenv("PROXIMA_STUB");
+    ASSERT_FALSE(failing);
+    EXPECT_NE(failing.error().message.find("cannot open dhd:0: communication error"),
+              std::string::npos)
+        << failing.error().message;
+    EXPECT_EQ(stub.state.open_devices, 0);
 }
 
 } // namespace

@@ -6,8 +6,12 @@
 
 #include <algorithm>
 #include <atomic>
+#include <csignal>
 #include <cstring>
+#include <functional>
 #include <iostream>
+#include <sys/file.h>
+#include <sys/resource.h>
 #include <sys/stat.h>
 #include <sys/wait.h>
 
@@ -20,6 +24,16 @@ bool exists(const std::string& name)
 {
     struct stat there {};
     return stat(("/dev/shm/proxima-" + name).c_str(), &there) == 0;
+}
+
+/// The status of a child process that calls a function, and ends with what that returns.
+int status_of_child(const std::function<int()>& function)
+{
+    const pid_t child = fork();
+    if (child == 0) _exit(function()); // without destructors, as if it were killed
+    int status = 0;
+    waitpid(child, &status, 0);
+    return status;
 }
 
 TEST(SharedSegment, IsForThisUserAloneAndIsRemoved)
@@ -46,21 +60,80 @@ TEST(SharedSegment, IsForThisUserAloneAndIsRemoved)
 TEST(SharedSegment, ThatAKilledProgramLeftIsTakenOver)
 {
     const std::string name = segment_name("stale");
-    const pid_t child = fork();
-    if (child == 0) {
-        const auto segment = SharedSegment::create(name);
-        if (segment) std::memset(segment->bytes().data() + 64, 0xff, segment_size - 64);
-        _exit(segment ? 0 : 1); // without destructors, as if it were killed
-    }
-    int status = 0;
-    waitpid(child, &status, 0);
-    ASSERT_EQ(status, 0);
+    ASSERT_EQ(status_of_child([&] {
+                  const auto segment = SharedSegment::create(name);
+                  if (!segment) return 1;
+                  std::memset(segment->bytes().data() + 64, 0xff, segment_size - 64);
+                  _exit(0);
+              }),
+              0);
     ASSERT_TRUE(exists(name));
     const auto segment = SharedSegment::create(name);
     ASSERT_TRUE(segment) << describe(segment.error());
     EXPECT_EQ(packets_written(segment->bytes(), scene_ring), 0U);
     EXPECT_TRUE(std::ranges::all_of(segment->bytes().subspan(64),
                                     [](std::byte b) { return b == std::byte{0}; }));
+}
+
+// An owner that is killed before it writes the header leaves zeros.
+TEST(SharedSegment, ThatWasNeverFinishedIsTakenOver)
+{
+    const std::string name = segment_name("unfinished");
+    const std::string path = "/proxima-" + name;
+    const int file = shm_open(path.c_str(), O_RDWR | O_CREAT | O_EXCL, 0600);
+    ASSERT_GE(file, 0);
+    EXPECT_EQ(ftruncate(file, off_t{segment_size}), 0);
+    close(file);
+    const auto segment = SharedSegment::create(name);
+    EXPECT_TRUE(segment) << describe(segment.error());
+    if (!segment) shm_unlink(path.c_str());
+}
+
+TEST(SharedSegment, ThatCannotBeMadeLeavesNoName)
+{
+    const std::string name = segment_name("no-room");
+    EXPECT_EQ(status_of_child([&] {
+                  const rlimit small = {4096, 4096};
+                  (void)std::signal(SIGXFSZ, SIG_IGN);
+                  if (setrlimit(RLIMIT_FSIZE, &small) != 0) return 1;
+                  return SharedSegment::create(name) ? 2 : 0;
+              }),
+              0);
+    EXPECT_FALSE(exists(name));
+    shm_unlink(("/proxima-" + name).c_str());
+}
+
+// Somebody removed the name, and another program took it.
+TEST(SharedSegment, LeavesTheSegmentOfAnotherOwnerAlone)
+{
+    const std::string name = segment_name("renamed");
+    auto first = SharedSegment::create(name);
+    ASSERT_TRUE(first);
+    ASSERT_EQ(shm_unlink(first->path().c_str()), 0);
+    const auto second = SharedSegment::create(name);
+    ASSERT_TRUE(second) << describe(second.error());
+    {
+        const SharedSegment ending = std::move(*first);
+    }
+    EXPECT_TRUE(exists(name));
+}
+
+// An engine that asks whether a stale segment has an owner holds a lock for a moment.
+TEST(SharedSegment, IsTakenOverWhileAnEngineLooksAtIt)
+{
+    const std::string name = segment_name("looked-at");
+    const int file = shm_open(("/proxima-" + name).c_str(), O_RDWR | O_CREAT | O_EXCL, 0600);
+    ASSERT_GE(file, 0);
+    ASSERT_EQ(flock(file, LOCK_SH | LOCK_NB), 0);
+    std::thread engine([&] {
+        std::this_thread::sleep_for(std::chrono::milliseconds(5));
+        flock(file, LOCK_UN);
+    });
+    const auto segment = SharedSegment::create(name);
+    EXPECT_TRUE(segment) << describe(segment.error());
+    engine.join();
+    close(file);
+    if (!segment) shm_unlink(("/proxima-" + name).c_str());
 }
 
 TEST(SharedSegment, LeavesWhatIsNotItsOwnAlone)
@@ -145,6 +218,18 @@ TEST(SharedSegment, AWriterThatDiesLeavesNothingLocked)
     EXPECT_EQ(read_packet(segment->bytes(), scene_ring, 64, buffer), 0U);
     write_packet(segment->bytes(), scene_ring, 64, packet);
     EXPECT_EQ(read_packet(segment->bytes(), scene_ring, 64, buffer), packet.size());
+}
+
+// A signal that another process sent is no access to memory: it ends the program as before.
+TEST(TruncationGuard, DoesNotSwallowSignalsThatWereSent)
+{
+    alignas(64) std::array<std::byte, 64> memory{};
+    EXPECT_NE(status_of_child([&] {
+                  const TruncationGuard guard(memory);
+                  kill(getpid(), SIGBUS);
+                  return 0;
+              }),
+              0);
 }
 
 } // namespace

@@ -373,6 +373,18 @@ TEST(ToolClock, BurstsDoNotMakeTheSceneRunFast)
     EXPECT_EQ(scene.now(), 3001 * tick_time);
 }
 
+TEST(ToolClock, TicksOfAnyLengthNeverTurnTimeBack)
+{
+    SceneClock scene;
+    ToolClock tool(0);
+    for (int tick = 0; tick < 20'000; ++tick) {
+        const SceneTime before = tool.now();
+        EXPECT_EQ(tool.advance(scene, 1e300), 1e300);
+        ASSERT_GE(tool.now(), before) << tick;
+        ASSERT_EQ(scene.now(), tool.now()) << tick;
+    }
+}
+
 // Servo loops in threads of their own, an application that moves, exchanges and deforms, and a tool that
 // comes and goes.
 TEST(ToolsInOneScene, RunInThreadsOfTheirOwn)

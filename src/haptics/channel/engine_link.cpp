@@ -108,19 +108,23 @@ bool EngineLink::is_accepted(const UdpAddress& from, std::int64_t now) noexcept
     return true;
 }
 
-/// The time between two packets: as the packet says, or by its time stamp and the last one's.
-void EngineLink::set_period(std::uint64_t last_sequence, bool is_first) noexcept
+/// The time from an object's last pose to the one in this packet: as the packet says, or by the time
+/// stamps, shared with packets that were lost in between.
+double EngineLink::update_period(PoseTimes& times) const noexcept
 {
+    const double passed =
+        1e-9 * (static_cast<double>(packet_.nanoseconds) - static_cast<double>(times.stamp));
     if (packet_.period > 0) {
-        period_ = packet_.period;
-    } else if (is_first) {
-        period_ = usual_period;
-    } else {
-        const double passed =
-            1e-9 * (static_cast<double>(packet_.nanoseconds) - static_cast<double>(stamp_));
-        const double one = passed / static_cast<double>(packet_.sequence - last_sequence);
-        if (one > 0) period_ = std::min(one, longest_measured_period);
+        times.period = packet_.period;
+    } else if (times.period == 0) {
+        times.period = usual_period;
+    } else if (passed > 0) {
+        const auto lost = static_cast<double>(report_.lost - times.lost);
+        times.period = std::min(passed / (1 + lost), longest_measured_period);
     }
+    times.stamp = packet_.nanoseconds;
+    times.lost = report_.lost;
+    return times.period;
 }
 
 void EngineLink::take(std::span<const std::byte> packet, const UdpAddress& from,
@@ -142,19 +146,19 @@ void EngineLink::take(std::span<const std::byte> packet, const UdpAddress& from,
         return;
     }
     if (!is_accepted(from, now)) return;
-    const bool is_first = order_.is_first();
-    const std::uint64_t last_sequence = order_.sequence();
+    if (order_.is_first()) {
+        lateness_.restart();
+        poses_ = {};
+    }
     report_.lost += order_.accept(packet_.sequence, now);
     report_.sessions = order_.sessions();
     ++report_.accepted;
-    if (is_first) lateness_.restart();
-    set_period(last_sequence, is_first);
     stamp_ = packet_.nanoseconds;
     reply_every_ = packet_.reply_every;
     unanswered_ = true;
     left_ = (packet_.flags & ScenePacket::leaving) != 0;
     if (left_) order_.leave();
-    const double late = std::min(lateness_.add(packet_.nanoseconds, now), period_ / 2);
+    const double late = lateness_.add(packet_.nanoseconds, now);
     for (const PacketObject& object : std::span(packet_.objects).first(packet_.count))
         merge(object, late);
 }
@@ -174,13 +178,11 @@ void EngineLink::merge(const PacketObject& object, double late) noexcept
         right = to_rotation(object.quaternion, motion.pose.rotation) &&
                 is_within(object.position, farthest_position);
         motion.pose.translation = object.position;
-        motion.seconds = period_ - late;
     }
     if (right && has_velocity) {
         right = is_within(object.velocity, farthest_position) && is_within(object.spin, most_spin);
         motion.velocity = object.velocity;
         motion.spin = object.spin;
-        motion.coast_seconds = coast_periods * period_;
     }
     if (right && has_material) {
         const SurfaceMaterial& m = object.material;
@@ -193,6 +195,9 @@ void EngineLink::merge(const PacketObject& object, double late) noexcept
     }
     SceneMessage& message = merged_[object.object];
     if (has_pose) {
+        const double period = update_period(poses_[object.object]);
+        motion.seconds = period - std::min(late, period / 2);
+        motion.coast_seconds = has_velocity ? coast_periods * period : 0;
         message.has_motion = true;
         message.motion = motion;
     }
@@ -221,14 +226,16 @@ std::span<const SceneMessage> EngineLink::receive(TouchScene& scene, std::uint64
         message.motion.seconds = std::max(message.motion.seconds, seconds);
         // An object at the edge of the scene stops there.
         if (!is_applicable(message, scene)) message.motion.coast_seconds = 0;
-        if (is_applicable(message, scene)) {
+        if (!is_applicable(message, scene)) {
+            ++report_.refused_objects;
+            message.has_motion = false; // a material counts without it
+        }
+        if ((message.has_motion || message.has_material) && is_applicable(message, scene)) {
             const Status applied = apply(message, scene);
             PROXIMA_CHECK(applied.has_value());
             report_.motions += message.has_motion ? 1U : 0U;
             report_.materials += message.has_material ? 1U : 0U;
             messages_[count++] = message;
-        } else {
-            ++report_.refused_objects;
         }
         message.has_motion = message.has_material = false;
     }

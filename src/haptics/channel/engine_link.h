@@ -3,7 +3,7 @@
 //
 //     packet    whole, of our version, of one engine at a time, newer than the last (packet_sequence.h)
 //     object    there, with a rigid pose within the scene, a valid material: else it is left out
-//     motion    in place one period after the packet: its own, or that of the time stamps
+//     motion    in place one period after the packet: its own, or the time since the object's last pose
 //
 // Of several packets within a tick the newest pose of each object counts, and the newest material. A
 // packet that is late by less than half a period is made up for: its objects arrive when they would
@@ -63,8 +63,15 @@ public:
     [[nodiscard]] std::string name() const { return transport_->name(); }
 
 private:
+    /// When the poses of an object came.
+    struct PoseTimes {
+        std::uint64_t stamp = 0; ///< of the last one's packet
+        std::uint64_t lost = 0;  ///< packets that were lost until then
+        double period = 0;       ///< s from pose to pose; 0 before the session's first
+    };
+
     [[nodiscard]] bool is_accepted(const UdpAddress& from, std::int64_t now) noexcept;
-    void set_period(std::uint64_t last_sequence, bool is_first) noexcept;
+    [[nodiscard]] double update_period(PoseTimes& times) const noexcept;
     void merge(const PacketObject& object, double late) noexcept;
     [[nodiscard]] bool is_due(std::int64_t now) noexcept;
     [[nodiscard]] TouchPacket touch_packet(const HapticRenderer& renderer, const DeviceState& state,
@@ -76,7 +83,6 @@ private:
     EngineReport report_;
     std::uint64_t session_ = 0; ///< ours
     std::uint64_t ticks_ = 0;
-    double period_ = 0;               ///< s between packets
     std::uint64_t stamp_ = 0;         ///< of the packet accepted last
     std::uint32_t reply_every_ = 1;   ///< as it says
     std::uint16_t other_version_ = 0; ///< of a packet that was refused for it
@@ -85,7 +91,8 @@ private:
     std::uint64_t limited_ = 0; ///< ticks until now in which the force was cut off
     std::uint64_t slewed_ = 0;
 
-    ScenePacket packet_; ///< being taken
+    ScenePacket packet_;                               ///< being taken
+    std::array<PoseTimes, max_scene_objects> poses_{}; ///< of this session, by object
     std::array<std::byte, most_scene_packet_size + 8> buffer_{};
     std::array<SceneMessage, max_scene_objects> merged_{}; ///< of this tick, by object
     std::array<SceneMessage, max_scene_objects> messages_{};

@@ -41,12 +41,12 @@ struct PacketObject {
 struct ScenePacket {
     static constexpr std::uint32_t leaving = 1; ///< flag: the engine ends its session
 
-    std::uint64_t session = 0;     ///< any number, chosen by the engine when it starts
+    std::uint64_t session = 0;     ///< each start of the engine chooses another number
     std::uint64_t sequence = 0;    ///< each larger than the one before
     std::uint64_t nanoseconds = 0; ///< of the engine's clock, from any origin
     std::uint32_t flags = 0;
     std::uint32_t reply_every = 1; ///< ticks; 0: a single touch packet answers each scene packet
-    double period = 0;             ///< s from one packet to the next; 0: as the time stamps say
+    double period = 0;             ///< s from pose to pose of an object; 0: as the time stamps say
     double material_seconds = 0;   ///< in which materials change
     std::size_t count = 0;
     std::array<PacketObject, max_scene_objects> objects;

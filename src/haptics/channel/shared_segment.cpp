@@ -6,11 +6,13 @@
 #include <array>
 #include <atomic>
 #include <cerrno>
+#include <chrono>
 #include <cstring>
 #include <fcntl.h>
 #include <sys/file.h>
 #include <sys/mman.h>
 #include <sys/stat.h>
+#include <thread>
 #include <unistd.h>
 #include <utility>
 
@@ -22,6 +24,7 @@ constexpr PacketMagic segment_magic = {'P', 'X', 'S', 'M'};
 constexpr std::uint32_t endianness = 0x01020304;
 constexpr std::uint32_t is_open = 1;
 constexpr std::size_t word = sizeof(std::uint64_t);
+constexpr std::size_t flags_offset = 8; ///< of the word that holds endianness and flags
 
 /// Memory that another process may write to at any time is read and written by whole words.
 std::atomic_ref<std::uint64_t> word_at(std::span<const std::byte> segment,
@@ -59,6 +62,26 @@ std::array<std::byte, 64> header_of_owner(std::uint32_t flags) noexcept
     return bytes;
 }
 
+/// Opens or closes a segment: whoever sees that it is open sees what was written before.
+void store_flags(std::span<std::byte> segment, std::uint32_t flags) noexcept
+{
+    std::uint64_t bits = 0;
+    std::memcpy(&bits, header_of_owner(flags).data() + flags_offset, word);
+    word_at(segment, flags_offset).store(bits, std::memory_order_release);
+}
+
+/// Takes the owner's lock. An engine that looks whether a segment has an owner holds it for a moment.
+bool lock_as_owner(int file)
+{
+    constexpr int attempts = 100;
+    constexpr auto pause = std::chrono::milliseconds(1);
+    for (int attempt = 0; attempt < attempts; ++attempt) {
+        if (flock(file, LOCK_EX | LOCK_NB) == 0) return true;
+        std::this_thread::sleep_for(pause);
+    }
+    return false;
+}
+
 tl::unexpected<Error> refused(const std::string& path, const std::string& why)
 {
     return fail(ErrorCode::invalid_argument, why, path);
@@ -69,13 +92,14 @@ tl::unexpected<Error> system_refused(const std::string& path, const char* what)
     return refused(path, concat(what, ": ", std::strerror(errno)));
 }
 
-/// Whether an object of that name is a segment of ours, of any version, or empty.
+/// Whether an object of that name is a segment of ours, of any version, or one that was not finished:
+/// it is empty, or has its size and no header.
 bool is_segment(int file, std::size_t size)
 {
     if (size == 0) return true;
-    std::array<char, 4> magic{};
+    PacketMagic magic{};
     return pread(file, magic.data(), magic.size(), 0) == ssize_t{magic.size()} &&
-           magic == segment_magic;
+           (magic == segment_magic || (size == segment_size && magic == PacketMagic{}));
 }
 
 } // namespace
@@ -130,7 +154,7 @@ Result<SharedSegment> SharedSegment::create(std::string_view name)
         const int file = shm_open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, S_IRUSR | S_IWUSR);
         if (file < 0) return system_refused(path, "cannot make shared memory");
         segment.file_ = file;
-        if (flock(file, LOCK_EX | LOCK_NB) != 0)
+        if (!lock_as_owner(file))
             return refused(path, "is in use by another program that runs: give another name");
         struct stat there {};
         if (fstat(file, &there) != 0) return system_refused(path, "cannot look at shared memory");
@@ -138,6 +162,7 @@ Result<SharedSegment> SharedSegment::create(std::string_view name)
             if (there.st_uid != geteuid() ||
                 !is_segment(file, static_cast<std::size_t>(there.st_size)))
                 return refused(path, "exists and is no segment of ours: give another name");
+            segment.path_ = path; // from here on errors remove the name
             if (fchmod(file, S_IRUSR | S_IWUSR) != 0 ||
                 (std::size_t(there.st_size) != segment_size &&
                  ftruncate(file, off_t{segment_size}) != 0))
@@ -155,14 +180,14 @@ Result<SharedSegment> SharedSegment::create(std::string_view name)
     void* const memory =
         mmap(nullptr, segment_size, PROT_READ | PROT_WRITE, MAP_SHARED, segment.file_, 0);
     if (memory == MAP_FAILED) return system_refused(path, "cannot map shared memory");
-    segment.path_ = path;
     segment.bytes_ = {static_cast<std::byte*>(memory), segment_size};
     segment.guard_ = TruncationGuard(segment.bytes_);
-    // A stale segment may hold anything. The header comes last: with it an engine may begin.
+    // A stale segment may hold anything. It is opened last: from then on an engine may begin.
+    store_flags(segment.bytes_, 0);
     std::memset(memory, 0, segment_size);
-    std::atomic_thread_fence(std::memory_order_release);
-    const auto header = header_of_owner(is_open);
+    const auto header = header_of_owner(0);
     std::memcpy(segment.bytes_.data(), header.data(), header.size());
+    store_flags(segment.bytes_, is_open);
     return segment;
 }
 
@@ -183,12 +208,14 @@ SharedSegment& SharedSegment::operator=(SharedSegment&& other) noexcept
 SharedSegment::~SharedSegment()
 {
     if (!bytes_.empty()) {
-        const auto header = header_of_owner(0);
-        std::memcpy(bytes_.data(), header.data(), header.size());
+        store_flags(bytes_, 0);
         guard_ = {};
         munmap(bytes_.data(), bytes_.size());
-        shm_unlink(path_.c_str());
     }
+    // Where somebody removed the name, it may be that of another owner's segment.
+    struct stat there {};
+    if (!path_.empty() && fstat(file_, &there) == 0 && there.st_nlink > 0)
+        shm_unlink(path_.c_str());
     if (file_ >= 0) close(file_); // and with it the lock
 }
 

@@ -11,7 +11,8 @@
 // number again: a packet that was overwritten meanwhile is dropped. Nobody waits.
 //
 // The owner holds a lock (flock) on the segment, which ends with its process: a segment without that
-// lock is stale and is taken over. The owner removes the name when it ends.
+// lock is stale and is taken over. Engines ask for a shared lock to see whether it is. The owner removes
+// the name when it ends.
 #pragma once
 
 #include "haptics/channel/engine_packets.h"

@@ -44,14 +44,16 @@ bool replace_memory_at(const void* address) noexcept
 void on_bus_error(int number, siginfo_t* info, void* context)
 {
     const int error = errno;
-    if (replace_memory_at(info->si_addr)) {
+    const bool was_sent = info->si_code <= 0; // by a process: it has no address
+    if (!was_sent && replace_memory_at(info->si_addr)) {
         errno = error;
     } else if ((earlier_handler.sa_flags & SA_SIGINFO) != 0) {
         earlier_handler.sa_sigaction(number, info, context);
     } else if (earlier_handler.sa_handler != SIG_DFL && earlier_handler.sa_handler != SIG_IGN) {
         earlier_handler.sa_handler(number);
-    } else {
-        std::signal(number, SIG_DFL); // the access is tried again, and ends the program
+    } else if (!was_sent || earlier_handler.sa_handler == SIG_DFL) {
+        std::signal(number, SIG_DFL);
+        if (was_sent) std::raise(number); // an access is tried again: either ends the program
     }
 }
 

@@ -3,7 +3,7 @@
 // was shared is no longer, and nobody hears the other, but the servo loop goes on.
 //
 //     SIGBUS at an address within a guarded range     the range becomes anonymous memory, zeros
-//     any other                                       the handler that was there before, or the end
+//     any other, or sent by a process                 the handler that was there before, or the end
 #pragma once
 
 #include <cstddef>

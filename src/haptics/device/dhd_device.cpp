@@ -178,15 +178,15 @@ Result<std::unique_ptr<Device>> open_dhd_device(const DhdOptions& options)
                            "(udev rules)"),
                     library->path());
     }
-    const int id = api->open_id(static_cast<char>(options.index));
-    if (id < 0 || api->enable_force(1, static_cast<char>(id)) < 0) {
-        return fail(
-            ErrorCode::invalid_argument,
-            concat("cannot open dhd:", options.index, ": ", dhd_text(api->get_last_error())),
-            library->path());
+    const int opened = api->open_id(static_cast<char>(options.index));
+    const char id = static_cast<char>(opened);
+    if (opened < 0 || api->enable_force(1, id) < 0) {
+        const std::string reported = dhd_text(api->get_last_error());
+        if (opened >= 0) api->close(id);
+        return fail(ErrorCode::invalid_argument,
+                    concat("cannot open dhd:", options.index, ": ", reported), library->path());
     }
-    return std::make_unique<DhdDevice>(std::move(*library), *api, static_cast<char>(id),
-                                       options.index);
+    return std::make_unique<DhdDevice>(std::move(*library), *api, id, options.index);
 }
 
 } // namespace proxima

@@ -53,6 +53,9 @@ constexpr HdEnum calibration_needs_hands = 0x5002;
 constexpr unsigned int first_force_error = 0x0200;
 constexpr unsigned int last_force_error = 0x0204;
 
+/// Hz: the driver's, unless it is given another one that it has.
+constexpr double usual_rate = 1000;
+constexpr double rest_seconds = 0.5; ///< after an error of forces
 constexpr double millimetre = 1e-3;
 constexpr const char* hd_advice =
     "install OpenHaptics 3.4 and 3D Systems' driver of the device, or name the library by "
@@ -165,6 +168,7 @@ public:
 private:
     void describe_device(const HdOptions& options);
     void note(const HdError& error) noexcept;
+    [[nodiscard]] std::string description(const HdError& error) const;
 
     SharedLibrary library_;
     HdApi api_;
@@ -173,7 +177,9 @@ private:
     DeviceReading reading_;
     HdError first_error_;
     HdError loss_;
+    HdError start_error_; ///< of the scheduler's start: ticks leave it alone
     std::uint64_t force_errors_ = 0;
+    double rate_ = usual_rate;  ///< Hz, of the session
     std::uint64_t resting_ = 0; ///< ticks in which forces rest after an error
     bool stalled_ = false;
     std::unique_ptr<HdTicks> ticks_; ///< kept, for a driver that hung may call once more
@@ -223,9 +229,9 @@ void HdDevice::note(const HdError& error) noexcept
 {
     if (first_error_.code == 0) first_error_ = error;
     if (error.code >= first_force_error && error.code <= last_force_error) {
-        // The driver has stopped the force: wait for half a second, then ramp it up.
+        // The driver has stopped the force: wait, then ramp it up.
         ++force_errors_;
-        resting_ = 500;
+        resting_ = static_cast<std::uint64_t>(std::ceil(rest_seconds * rate_));
         return;
     }
     loss_ = error;
@@ -269,16 +275,24 @@ void HdDevice::write(const DeviceCommand& command) noexcept
     if (const HdError error = api_.get_error(); error.code != 0) note(error);
 }
 
+std::string HdDevice::description(const HdError& error) const
+{
+    return concat(hd_text(api_.get_error_string(error.code)), " (error ", error.code, ", internal ",
+                  error.internal_code, ")");
+}
+
 std::string HdDevice::trouble() const
 {
+    if (stalled_ && start_error_.code != 0)
+        return concat("the driver's scheduler does not run: ", description(start_error_));
     if (stalled_)
         return "the driver's scheduler stopped calling: check that the device is plugged in";
     if (first_error_.code == 0) return {};
-    const std::string reported = hd_text(api_.get_error_string(first_error_.code));
-    if (force_errors_ > 0)
-        return concat("the driver stopped the force ", force_errors_, " times: ", reported);
-    return concat("the driver lost the device: ", reported, " (error ", first_error_.code,
-                  ", internal ", first_error_.internal_code, ")");
+    if (force_errors_ > 0) {
+        return concat("the driver stopped the force ", force_errors_,
+                      " times: ", hd_text(api_.get_error_string(first_error_.code)));
+    }
+    return concat("the driver lost the device: ", description(first_error_));
 }
 
 ServoStatistics HdDevice::run(const ServoOptions& options, ServoTick tick)
@@ -286,9 +300,11 @@ ServoStatistics HdDevice::run(const ServoOptions& options, ServoTick tick)
     ticks_ = std::make_unique<HdTicks>(TickAccount(options, tick));
     HdTicks& ticks = *ticks_;
     api_.set_rate(static_cast<unsigned long>(std::llround(options.rate)));
+    const HdError rate_error = api_.get_error();
+    rate_ = rate_error.code == 0 ? options.rate : usual_rate;
     const HdCallbackHandle callback = api_.schedule(hd_tick, &ticks, highest_priority);
     if (running_devices.fetch_add(1) == 0) api_.start_scheduler();
-    if (const HdError error = api_.get_error(); error.code != 0) note(error);
+    start_error_ = api_.get_error();
     // A driver that hangs must not hang the program: the session ends after a second without calls.
     constexpr auto pause = std::chrono::milliseconds(5);
     constexpr int patience = 200;
@@ -305,6 +321,10 @@ ServoStatistics HdDevice::run(const ServoOptions& options, ServoTick tick)
     (void)api_.get_error();
     ServoStatistics statistics = ticks.account.finish();
     statistics.note = "ticks are called by libHD's scheduler";
+    if (rate_error.code != 0) {
+        statistics.note += concat(", which keeps a rate of its own, for it refused ", options.rate,
+                                  " Hz: ", description(rate_error));
+    }
     return statistics;
 }
 

@@ -9,6 +9,7 @@
 #include <cstring>
 #include <ctime>
 #include <limits>
+#include <mutex>
 #include <pthread.h>
 #include <sched.h>
 #include <sys/mman.h>
@@ -47,6 +48,24 @@ std::uint64_t page_faults_so_far() noexcept
 #endif
 }
 
+/// Loops that have locked the memory of this process, which the last of them unlocks.
+int locking_loops = 0;
+std::mutex locking_mutex;
+
+bool lock_memory()
+{
+    const std::lock_guard lock(locking_mutex);
+    if (mlockall(MCL_CURRENT) != 0) return false;
+    ++locking_loops;
+    return true;
+}
+
+void unlock_memory()
+{
+    const std::lock_guard lock(locking_mutex);
+    if (--locking_loops == 0) munlockall();
+}
+
 /// Real-time priority and locked memory while it lives, as far as they are granted.
 class RealTimeGrant {
 public:
@@ -62,7 +81,7 @@ public:
             statistics.note += concat("no real-time priority (", std::strerror(refused),
                                       "): give the program CAP_SYS_NICE or an rtprio limit. ");
         }
-        statistics.locked_memory = mlockall(MCL_CURRENT) == 0;
+        statistics.locked_memory = lock_memory();
         if (!statistics.locked_memory) {
             statistics.note += concat("memory is not locked (", std::strerror(errno),
                                       "): raise the memlock limit. ");
@@ -73,7 +92,7 @@ public:
     RealTimeGrant& operator=(const RealTimeGrant&) = delete;
     ~RealTimeGrant()
     {
-        if (statistics_.locked_memory) munlockall();
+        if (statistics_.locked_memory) unlock_memory();
         if (statistics_.real_time_priority)
             pthread_setschedparam(pthread_self(), policy_, &parameters_);
     }

@@ -16,6 +16,7 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 
 namespace proxima {
 
@@ -71,9 +72,10 @@ public:
     /// behind. \pre seconds > 0
     double advance(SceneClock& scene, double seconds) noexcept
     {
-        constexpr double longest_tick = 1e6; // no sum of ticks overflows before
-        const auto tick =
-            static_cast<SceneTime>(std::llround(std::min(seconds, longest_tick) * 1e9));
+        constexpr double longest_tick = 1e6;
+        constexpr SceneTime end = std::numeric_limits<SceneTime>::max() / 2; // 146 years
+        const SceneTime tick =
+            std::min<SceneTime>(std::llround(std::min(seconds, longest_tick) * 1e9), end - now_);
         const SceneTime allowed = started_ ? std::max(most_behind, most_ticks_behind * tick) : 0;
         started_ = true;
         const SceneTime before = now_;

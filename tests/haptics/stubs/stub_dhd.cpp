@@ -5,6 +5,7 @@ namespace {
 
 stub::Hand hand;
 bool is_open = false;
+const char* last_error = "communication error (stub)";
 
 } // namespace
 
@@ -20,6 +21,7 @@ int dhdOpenID(char)
 {
     stub_state = {};
     hand = {};
+    last_error = "communication error (stub)";
     stub::read_environment(stub_state);
     if (stub_state.fail_open != stub::never) return -1;
     is_open = true;
@@ -29,6 +31,7 @@ int dhdOpenID(char)
 int dhdClose(char)
 {
     is_open = false;
+    last_error = "no error (stub)";
     --stub_state.open_devices;
     return 0;
 }
@@ -64,6 +67,7 @@ int dhdSetForce(double x, double y, double z, char)
 }
 int dhdEnableForce(unsigned char on, char)
 {
+    if (stub_state.fail_enable != stub::never) return -1;
     stub_state.forces_enabled += on != 0 ? 1 : -1;
     return 0;
 }
@@ -77,7 +81,7 @@ unsigned int dhdGetButtonMask(char)
 }
 const char* dhdErrorGetLastStr()
 {
-    return "communication error (stub)";
+    return last_error;
 }
 int dhdGetSerialNumber(unsigned short* number, char)
 {

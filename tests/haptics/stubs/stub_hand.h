@@ -26,8 +26,10 @@ struct State {
     long freeze = never;
     long stall = never; ///< the library calls no more
     long force_error = never;
-    long fail_open = never; ///< anything but never
-    long press = never;     ///< button 1, for 100 ticks
+    long fail_open = never;   ///< anything but never
+    long fail_enable = never; ///< likewise: forces cannot be enabled
+    long fail_start = never;  ///< likewise: the scheduler does not start
+    long press = never;       ///< button 1, for 100 ticks
     // A hand that moves the device slowly, then fast, and lets go: a device with these numbers.
     long release = never; ///< the tick; the fast motion takes the 500 ticks before it
     long friction = 200;  ///< mN
@@ -68,6 +70,7 @@ inline void read_environment(State& state)
         if (name == "stall") state.stall = tick;
         if (name == "force_error") state.force_error = tick;
         if (name == "fail_open") state.fail_open = tick;
+        if (name == "fail_enable") state.fail_enable = tick;
         if (name == "press") state.press = tick;
         if (name == "release") state.release = tick;
         if (name == "friction") state.friction = tick;

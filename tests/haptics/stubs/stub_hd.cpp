@@ -15,6 +15,7 @@ constexpr unsigned int exceeded_max_force = 0x0201;
 constexpr unsigned int frame_error = 0x0402;
 constexpr unsigned int illegal_begin = 0x0400;
 constexpr unsigned int bad_handle = 0x0104;
+constexpr unsigned int invalid_value = 0x0101;
 constexpr unsigned int device_fault = 0x0300;
 constexpr unsigned int the_device = 7;
 constexpr double most = 3.3;
@@ -95,6 +96,8 @@ const char* hdGetErrorString(unsigned int code)
         return "Device fault";
     case bad_handle:
         return "Bad handle";
+    case invalid_value:
+        return "Invalid value";
     default:
         return "Other error";
     }
@@ -167,9 +170,16 @@ const char* hdGetString(unsigned int what)
         return nullptr;
     }
 }
-void hdSetSchedulerRate(unsigned long) {}
+void hdSetSchedulerRate(unsigned long rate)
+{
+    if (rate != 500 && rate != 1000) error = invalid_value;
+}
 void hdStartScheduler()
 {
+    if (stub_state.fail_start != stub::never) {
+        error = device_fault;
+        return;
+    }
     running = true;
     scheduler = std::thread([] {
         auto next = std::chrono::steady_clock::now();
