@@ -9,6 +9,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <mutex>
 #include <optional>
 #include <pybind11/pybind11.h>
 #include <shared_mutex>
@@ -26,6 +27,9 @@ struct SharedScene : std::enable_shared_from_this<SharedScene> {
     std::vector<TouchBody> bodies; ///< by object: those added or exchanged last
     bool touched = false;          ///< a renderer was made: no objects are added any more
     std::shared_mutex ticks;       ///< held by renderers while they tick, and by who reads poses
+    /// Held by who reads poses, without Python's lock, and by who adds objects and renderers, with it. Its
+    /// holders wait for nothing.
+    std::mutex contents;
 };
 
 /// A material of four numbers, or nothing for None.

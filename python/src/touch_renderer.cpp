@@ -111,6 +111,7 @@ std::unique_ptr<SharedRenderer> make(const py::object& model, const py::object& 
     if (py::isinstance<SharedScene>(model)) {
         auto scene = model.cast<SharedScene&>().shared_from_this();
         const WorkspaceMap map = map_of(scene->bounds, limits, units_per_metre, center);
+        const std::lock_guard lock(scene->contents);
         HapticRenderer made = value_of(make_haptic_renderer(scene->scene, map, limits, options));
         scene->touched = true;
         return std::make_unique<SharedRenderer>(std::move(scene), std::move(made));

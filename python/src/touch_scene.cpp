@@ -50,6 +50,7 @@ std::uint32_t add(SharedScene& self, const py::object& model, const py::object& 
     const TouchBody body = body_of(index_of(model, "a proxima.Mesh or Index"),
                                    body_options(material, texture, shading));
     if (self.touched) refuse("scene", "add all objects before the first TouchRenderer is made");
+    const std::lock_guard lock(self.contents);
     const ObjectId object = value_of(self.scene.add(body, where));
     self.bodies.push_back(body);
     return to_index(object);
@@ -98,7 +99,7 @@ py::array pose(SharedScene& self, Integer object)
     {
         const ObjectId id = object_numbered(self, object);
         const Unlocked unlocked; // a tick under way is waited for
-        const std::lock_guard lock(self.ticks);
+        const std::scoped_lock lock(self.ticks, self.contents);
         now = self.scene.pose(id);
     }
     return matrix_of(now);

@@ -362,6 +362,30 @@ def test_threads_touch_one_scene(wall):
     assert all(np.allclose(force, expected, atol=1e-6) for force in forces)
 
 
+def test_poses_are_told_while_objects_are_added(wall):
+    scene = proxima.TouchScene([[-100, -1, -1], [100, 1, 1]])
+    scene.add(wall)
+    wrong, ending = [], threading.Event()
+
+    def ask():
+        while not ending.is_set():
+            for number in range(scene.object_count):
+                x = scene.pose(number)[0, 3]
+                if x != number:
+                    wrong.append((number, x))
+
+    threads = [threading.Thread(target=ask) for _ in range(2)]
+    for thread in threads:
+        thread.start()
+    for number in range(1, 64):
+        scene.add(wall, np.hstack([np.eye(3), [[number], [0], [0]]]))
+    renderers = [proxima.TouchRenderer(scene, **PLAIN) for _ in range(8)]
+    ending.set()
+    for thread in threads:
+        thread.join()
+    assert (wrong, scene.object_count, len(renderers)) == ([], 64, 8)
+
+
 def test_calls_of_one_renderer_wait_for_one_another(wall):
     renderer = proxima.TouchRenderer(wall, **PLAIN)
     steady = np.tile([0, 0, 0.01], (5000, 1))
