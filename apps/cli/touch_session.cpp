@@ -317,6 +317,12 @@ Result<TouchResult> touch_by_device(const TouchModel& model, const TouchSettings
         patches.emplace(model, *settings.patches, opened->map, settings.render,
                         parts->normals.get(), settings.input.tick_seconds, settings.pace);
     }
+    const double tick_seconds = settings.input.tick_seconds;
+    const auto ticks = static_cast<std::uint64_t>(std::llround(settings.seconds / tick_seconds));
+    const std::uint64_t release_ticks = ticks_to_release(device.info(), settings);
+    // Before an engine is heard: an hour takes seconds to make.
+    std::vector<RecordedTick> recorded_ticks(settings.record ? ticks + release_ticks : 0);
+    std::vector<TracedTick> traced_ticks(settings.trace ? ticks + release_ticks : 0);
     std::unique_ptr<EngineLink> engine;
     std::unique_ptr<SceneMessageQueue> queue;
     if (!settings.engine.empty()) {
@@ -329,7 +335,6 @@ Result<TouchResult> touch_by_device(const TouchModel& model, const TouchSettings
                  {.engine = engine.get(), .recorded = queue.get()}, patches ? &*patches : nullptr);
     auto input = make_device_input(device.info(), settings.input);
     if (!input) return tl::unexpected(input.error());
-    const double tick_seconds = settings.input.tick_seconds;
     Recording recording;
     recording.settings = {.mesh_fingerprint = fingerprint_of(model),
                           .objects = objects_of(model),
@@ -345,10 +350,6 @@ Result<TouchResult> touch_by_device(const TouchModel& model, const TouchSettings
         if (Status status = check_recordable(check_recording(recording)); !status)
             return tl::unexpected(status.error());
     }
-    const auto ticks = static_cast<std::uint64_t>(std::llround(settings.seconds / tick_seconds));
-    const std::uint64_t release_ticks = ticks_to_release(device.info(), settings);
-    std::vector<RecordedTick> recorded_ticks(settings.record ? ticks + release_ticks : 0);
-    std::vector<TracedTick> traced_ticks(settings.trace ? ticks + release_ticks : 0);
     std::uint64_t last = ticks; // the session ends before this tick, and then lets go
     std::uint64_t count = 0;
     Snapshot<LiveTouch> live;
