@@ -134,42 +134,85 @@ TEST(ToolSwings, RockingBoxesComeToRest)
     }
 }
 
-/// A box that an even push moves to a table, in flights of up to two seconds.
+/// Heights, m, in the last two of fifteen seconds of a box that an even push moves to a table, in flights of up to
+/// two seconds. The table goes down with that velocity from the 300th tick on.
+struct BoxHeights {
+    double lowest = 0;
+    double highest = -1;
+};
+
+BoxHeights bounce_under_a_push(ToolRenderer& renderer, const RigidTransform& touching, double mass,
+                               double down = 0)
+{
+    DeviceState rest;
+    rest.pose = touching;
+    rest.pose.translation.z() += 1e-3;
+    for (int tick = 0; tick < 300; ++tick) (void)renderer.tick(rest, tick_seconds);
+    HandModel model;
+    model.mass = mass;
+    model.device_damping = 0.1;
+    model.hand_stiffness = model.hand_damping = 0;
+    model.delay_ticks = 3;
+    SimulatedHand hand(model, touching.translation - 1e-3 * Vec3::UnitZ());
+    BoxHeights heights;
+    for (int tick = 0; tick < 15000; ++tick) {
+        const Vec3 force = renderer.tick(hand.state(), tick_seconds).force;
+        hand.step(force - Vec3(0, 0, 0.5), Vec3::Zero());
+        if (tick < 13000) continue;
+        const double height =
+            hand.position().z() - touching.translation.z() + down * tick * tick_seconds;
+        heights.lowest = std::min(heights.lowest, height);
+        heights.highest = std::max(heights.highest, height);
+    }
+    return heights;
+}
+
+ToolRenderOptions stiffest(const DeviceLimits& device, Guard guard)
+{
+    ToolRenderOptions options;
+    options.force.stiffness = device.max_stiffness;
+    options.force.damping = 0;
+    options.guard = guard;
+    return options;
+}
+
 TEST(ToolSwings, BouncesUnderAnEvenPushEnd)
 {
     const ToolScene scene = make_tool_scene(ToolStand::face);
     for (const char* const name : {"omega", "delta"}) {
         const DeviceLimits device = *find_device(name);
         for (const double mass : {0.1, 0.35}) {
-            ToolRenderOptions options;
-            options.force.stiffness = device.max_stiffness;
-            options.force.damping = 0;
-            ToolRenderer renderer = make_tool_renderer(scene.tool, std::span(&scene.object, 1),
-                                                       WorkspaceMap{}, device, options)
-                                        .value();
-            DeviceState rest;
-            rest.pose = scene.touching;
-            rest.pose.translation.z() += 1e-3;
-            for (int tick = 0; tick < 300; ++tick) (void)renderer.tick(rest, tick_seconds);
-            HandModel model;
-            model.mass = mass;
-            model.device_damping = 0.1;
-            model.hand_stiffness = model.hand_damping = 0;
-            model.delay_ticks = 3;
-            SimulatedHand hand(model, scene.touching.translation - 1e-3 * Vec3::UnitZ());
-            double lowest = 0;
-            double highest = -1;
-            for (int tick = 0; tick < 15000; ++tick) {
-                const Vec3 force = renderer.tick(hand.state(), tick_seconds).force;
-                hand.step(force - Vec3(0, 0, 0.5), Vec3::Zero());
-                if (tick < 13000) continue;
-                const double height = hand.position().z() - scene.touching.translation.z();
-                lowest = std::min(lowest, height);
-                highest = std::max(highest, height);
-            }
-            EXPECT_LT(highest, most_swing) << name << ' ' << mass;
-            EXPECT_GT(highest, -most_swing) << name << ' ' << mass;
-            EXPECT_GT(lowest, -most_swing) << name << ' ' << mass;
+            ToolRenderer renderer =
+                make_tool_renderer(scene.tool, std::span(&scene.object, 1), WorkspaceMap{}, device,
+                                   stiffest(device, Guard::on))
+                    .value();
+            const BoxHeights heights = bounce_under_a_push(renderer, scene.touching, mass);
+            EXPECT_LT(heights.highest, most_swing) << name << ' ' << mass;
+            EXPECT_GT(heights.highest, -most_swing) << name << ' ' << mass;
+            EXPECT_GT(heights.lowest, -most_swing) << name << ' ' << mass;
+        }
+    }
+}
+
+TEST(ToolSwings, BouncesOnATableThatMovesEnd)
+{
+    const ToolScene scene = make_tool_scene(ToolStand::face);
+    const TouchBody table = build_touch_body(box_mesh({0.1, 0.1, 0.05}, {0, 0, -0.05})).value();
+    for (const char* const name : {"omega", "delta"}) {
+        const DeviceLimits device = *find_device(name);
+        for (const double down : {1e-3, 0.1, -0.05}) {
+            const auto highest = [&](Guard guard) {
+                TouchScene room({Vec3(-2, -2, -2), Vec3(2, 2, 2)});
+                const ObjectId object = room.add(table, RigidTransform{}).value();
+                ToolRenderer renderer = make_tool_renderer(scene.tool, room, WorkspaceMap{}, device,
+                                                           stiffest(device, guard))
+                                            .value();
+                EXPECT_TRUE(room.move(
+                    object, {.seconds = 0.3, .velocity = Vec3(0, 0, -down), .coast_seconds = 16}));
+                return bounce_under_a_push(renderer, scene.touching, 0.1, down).highest;
+            };
+            EXPECT_LT(highest(Guard::on), 0.01) << name << ' ' << down;
+            EXPECT_GT(highest(Guard::off), 0.1) << name << ' ' << down;
         }
     }
 }
