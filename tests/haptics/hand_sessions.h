@@ -40,8 +40,7 @@ struct HandOutcome {
     double greatest_force = 0; ///< N
     double damped = 0;         ///< part of the ticks in which the guard added damping
     double taken = 0;          ///< by the guards, in the mean, in parts of the mean force
-    int faster =
-        0; ///< contacts after which the device leaves faster than it came, by two hundredths
+    int faster = 0;            ///< contacts that the device leaves by 2 % faster than it came
 };
 
 /// Taps of `depth` below the wall, of which `above` is the part of the way above it. A share `inward`

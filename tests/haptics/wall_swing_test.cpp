@@ -227,7 +227,7 @@ TEST(WallSwing, BouncesUnderAnEvenPushEnd)
     EXPECT_GT(higher, 10);
 }
 
-/// The same above a wall of a scene.
+/// As bounce_under_a_push(), above a wall that is an object of a scene.
 Heights bounce_on_a_wall_that_moves(const DeviceLimits& device, double mass, double push,
                                     double start, double down, Guard guard)
 {
@@ -500,8 +500,8 @@ TEST(BounceDetector, TakesAForceThatFlickersForOneContact)
     BounceDetector detector;
     int touched = 0;
     int left = 0;
-    for (int tick = 0; tick < 600;
-         ++tick) { // of 40 ticks in contact every other ten without a force
+    // In contact for 40 ticks. In every other ten of them there is no force.
+    for (int tick = 0; tick < 600; ++tick) {
         const bool contact = tick >= 500 && tick < 540 && tick % 20 < 10;
         const double z = tick < 500 ? -0.3e-3 * tick : tick < 530 ? -0.15 : 0.4e-3 * (tick - 530);
         const Bounce seen =
@@ -515,7 +515,7 @@ TEST(BounceDetector, TakesAForceThatFlickersForOneContact)
     }
     EXPECT_EQ(touched, 1);
     EXPECT_EQ(left, 1);
-    // Who hovers at a surface, with contacts that are too near to be told from each other, does not bounce.
+    // A hand that hovers at a surface does not bounce: its contacts follow each other too soon to be told apart.
     for (int tick = 0; tick < 1500; ++tick) {
         (void)detector.watch(Vec3::Zero(), Vec3(0, 0, tick % 20 < 5 ? 1 : 0), Vec3::Zero(), 1e-3,
                              3);

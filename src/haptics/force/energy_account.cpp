@@ -32,7 +32,7 @@ void EnergyAccount::add_step(Place Tick::*place, double& returned, MotionSums& s
     const double returned_in_step = returned / static_cast<double>(window);
     bool in_contact = false;
     for (std::size_t delay = 0; delay <= most_delay_ticks; ++delay) {
-        // Of the two ticks in the middle of the window.
+        // The mean force of the two ticks in the middle of the window.
         const std::size_t ago = window / 2 + delay;
         const Vec3 force = 0.5 * (at(ago).force + at(ago + 1).force);
         sums.given[delay] += force.dot(step) - returned_in_step;

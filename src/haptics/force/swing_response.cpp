@@ -196,7 +196,7 @@ void SwingResponse::judge_bounce(std::span<WatchedMotion> motions, WatchedMotion
     const bool gives = given > least_device_damping * in_contact && moved >= own_part * relative;
     // Who throws a device at a wall gives it in the flight what the wall takes.
     const bool flew = bounce.speed_in <= most_flight_gain * motion.speed_out;
-    // Who rests or presses in between begins anew.
+    // A long flight, a rest or a press ends the succession of bounces.
     const bool goes_on = bounce.flight <= BounceDetector::longest_flight &&
                          bounce.touching <= BounceDetector::longest_contact;
     motion.thrown = motion.thrown && flew && goes_on;
