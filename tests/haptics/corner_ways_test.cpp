@@ -146,6 +146,9 @@ TEST(CornerWays, LeadOutOfNoRoomsCorner)
         EXPECT_FALSE(way_from_corner(all_of(walls), Vec3::Constant(gap), -Vec3::Ones().normalized(),
                                      0.01, gap));
     }
+    // Three faces leave the line where two of them meet: a slide finds that by itself.
+    EXPECT_FALSE(way_from_corner(all_of(three), Vec3::Constant(1.5 * gap),
+                                 Vec3(-1, -1, 0.5).normalized(), 0.01, gap));
 }
 
 // The corner is not at the origin here, so that a face's side is a matter of where the face lies.
@@ -162,6 +165,24 @@ TEST(CornerWays, AreTheSameAnywhere)
         const auto moved_way = way_from_corner(moved, p + offset, corner.towards, 0.01, gap);
         ASSERT_TRUE(way && moved_way);
         EXPECT_LT((*way - *moved_way).norm(), 1e-6 * way->norm());
+    }
+}
+
+// On a pyramid's top four ways are as steep as each other.
+TEST(CornerWays, DoNotDependOnTheOrderOfTriangles)
+{
+    const double gap = 0x1p-20;
+    const TriangleMesh pyramid =
+        mesh_of({Vec3(0, 0, 0), Vec3(1, 1, -1), Vec3(-1, 1, -1), Vec3(-1, -1, -1), Vec3(1, -1, -1)},
+                {{0, 1, 2}, {0, 2, 3}, {0, 3, 4}, {0, 4, 1}});
+    std::vector<ContactTriangle> near = all_of(pyramid);
+    const Vec3 p = 1.5 * gap * Vec3::UnitZ();
+    const auto way = way_from_corner(near, p, -Vec3::UnitZ(), 0.01, gap);
+    ASSERT_TRUE(way);
+    std::mt19937_64 random(1);
+    for (int i = 0; i < 20; ++i) {
+        std::ranges::shuffle(near, random);
+        EXPECT_EQ(way_from_corner(near, p, -Vec3::UnitZ(), 0.01, gap), way);
     }
 }
 
