@@ -13,7 +13,8 @@ std::uint64_t ProximityLists::bytes() const noexcept
 ProximityLists ProximityLists::adopt(const RootFrame& frame, int table_depth,
                                      const ProximityArrays& arrays,
                                      const ProximityStatistics& statistics,
-                                     std::shared_ptr<const void> storage) noexcept
+                                     std::shared_ptr<const void> storage,
+                                     std::shared_ptr<const void> shared_storage) noexcept
 {
     ProximityLists lists;
     lists.frame_ = frame;
@@ -21,6 +22,7 @@ ProximityLists ProximityLists::adopt(const RootFrame& frame, int table_depth,
     lists.table_depth_ = table_depth;
     lists.arrays_ = arrays;
     lists.statistics_ = statistics;
+    lists.shared_storage_ = shared_storage != nullptr ? std::move(shared_storage) : storage;
     lists.storage_ = std::move(storage);
     return lists;
 }

@@ -140,12 +140,20 @@ public:
     /// Bytes of all arrays.
     [[nodiscard]] std::uint64_t bytes() const noexcept;
 
-    /// Takes arrays that satisfy the layout above; `storage` keeps them alive. For the builder and
-    /// the file reader; they check, this does not.
-    [[nodiscard]] static ProximityLists adopt(const RootFrame& frame, int table_depth,
-                                              const ProximityArrays& arrays,
-                                              const ProximityStatistics& statistics,
-                                              std::shared_ptr<const void> storage) noexcept;
+    /// What keeps runs and arena alive: refitted lists share it, and nothing else, with those they are
+    /// made from.
+    [[nodiscard]] const std::shared_ptr<const void>& shared_storage() const noexcept
+    {
+        return shared_storage_;
+    }
+
+    /// Takes arrays that satisfy the layout above; `storage` keeps them alive, or table and nodes alone
+    /// where `shared_storage` keeps runs and arena. For the builder, the file reader and refitting; they
+    /// check, this does not.
+    [[nodiscard]] static ProximityLists
+    adopt(const RootFrame& frame, int table_depth, const ProximityArrays& arrays,
+          const ProximityStatistics& statistics, std::shared_ptr<const void> storage,
+          std::shared_ptr<const void> shared_storage = nullptr) noexcept;
 
 private:
     RootFrame frame_;
@@ -154,6 +162,7 @@ private:
     ProximityArrays arrays_;
     ProximityStatistics statistics_;
     std::shared_ptr<const void> storage_;
+    std::shared_ptr<const void> shared_storage_; ///< never null
 };
 
 } // namespace proxima

@@ -27,9 +27,9 @@ namespace proxima {
 
 namespace {
 
-/// What the refitted lists have of their own; the rest is the old ones'.
+/// What the refitted lists have of their own. Runs and arena are those of the lists that were built,
+/// however often they are refitted.
 struct RefitStorage {
-    MeshIndex old;
     GrowBuffer<std::uint64_t> table;
     GrowBuffer<std::uint64_t> nodes;
 };
@@ -256,7 +256,6 @@ refit_lists(const MeshIndex& index, const TriangleMesh& mesh, const Topology& to
     const ProximityLists& lists = *index.parts().lists();
     const ProximityArrays& old = lists.arrays();
     auto storage = std::make_shared<RefitStorage>();
-    storage->old = index;
     storage->nodes.resize(old.nodes.size());
     std::ranges::copy(old.nodes, storage->nodes.begin());
     const std::span<std::uint64_t> nodes{storage->nodes.data(), storage->nodes.size()};
@@ -287,8 +286,9 @@ refit_lists(const MeshIndex& index, const TriangleMesh& mesh, const Topology& to
     counts.stale_leaves += searched - counts.searched_leaves;
     counts.searched_leaves = searched;
     const ProximityArrays arrays{storage->table.span(), storage->nodes.span(), old.runs, old.arena};
-    return std::make_shared<const ProximityLists>(ProximityLists::adopt(
-        lists.frame(), lists.table_depth(), arrays, counts, std::move(storage)));
+    return std::make_shared<const ProximityLists>(
+        ProximityLists::adopt(lists.frame(), lists.table_depth(), arrays, counts,
+                              std::move(storage), lists.shared_storage()));
 }
 
 } // namespace

@@ -18,6 +18,7 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <memory>
 #include <random>
 #include <vector>
 
@@ -161,6 +162,40 @@ TEST(RefitIndex, IsTheSameForAnyNumberOfThreads)
     EXPECT_TRUE(std::ranges::equal(one.parts().lists()->arrays().table,
                                    four.parts().lists()->arrays().table));
     EXPECT_EQ(one.parts().lists()->statistics(), four.parts().lists()->statistics());
+}
+
+// An animation refits each frame's index from that of the frame before.
+TEST(RefitIndex, KeepsAliveWhatWasBuiltAndNoIndexBetween)
+{
+    const TriangleMesh mesh = sample_mesh("sphere:8x8").value();
+    const auto topology = build_topology(mesh).value();
+    // The index, with lists that die together with what is watched.
+    const auto watched = [](const MeshIndex& index, bool is_built,
+                            std::weak_ptr<const void>& life) {
+        const auto all = std::make_shared<const MeshIndex>(index);
+        life = all;
+        const ProximityLists& lists = *index.parts().lists();
+        return make_mesh_index(
+            index.parts().adopt_lists(std::make_shared<const ProximityLists>(ProximityLists::adopt(
+                lists.frame(), lists.table_depth(), lists.arrays(), lists.statistics(), all,
+                is_built ? nullptr : lists.shared_storage()))));
+    };
+    std::weak_ptr<const void> built;
+    std::weak_ptr<const void> between;
+    MeshIndex index = watched(testing::listed_index(mesh).value(), true, built);
+    for (int frame = 0; frame < 3; ++frame) {
+        std::weak_ptr<const void> last;
+        const TriangleMesh other = moved(mesh, [&](std::size_t i, const Vec3& p) -> Vec3 {
+            return i == 5 ? Vec3((1 - 0.01 * frame) * p) : p;
+        });
+        index = watched(refit_index(index, other, topology).value(), false, last);
+        EXPECT_TRUE(between.expired());
+        EXPECT_FALSE(built.expired());
+        between = last;
+    }
+    index = {};
+    EXPECT_TRUE(between.expired());
+    EXPECT_TRUE(built.expired());
 }
 
 TEST(RefitIndex, RefusesAnotherMesh)
