@@ -133,14 +133,18 @@ Result<MeshRecords> layout_of(const std::string& name, std::string_view text, st
                        " for triangles: proxima-mpi reads no other faces"));
 }
 
-/// Reads the header.
+/// Reads the header, of at most 16 MiB.
 Status read_layout(const std::string& name, SharedFile& file, MeshRecords& records)
 {
-    constexpr std::uint64_t most = 1U << 16U; // a header has a few hundred bytes
     const std::uint64_t bytes = file.bytes();
-    std::string text(std::min(bytes, most), '\0');
-    if (!file.read(0, text.data(), text.size())) return ends_early(name);
-    auto layout = layout_of(name, text, bytes);
+    Result<MeshRecords> layout;
+    // A header has a few hundred bytes, but comments may make it long.
+    for (std::uint64_t most = 1U << 16U; most <= 1U << 24U; most *= 16) {
+        std::string text(std::min(bytes, most), '\0');
+        if (!file.read(0, text.data(), text.size())) return ends_early(name);
+        layout = layout_of(name, text, bytes);
+        if (layout || text.size() == bytes) break;
+    }
     if (!layout) {
         Error error = layout.error();
         if (error.where.empty()) error.where = name;

@@ -207,8 +207,9 @@ private:
 
 SharedFile::SharedFile(const std::string& path)
 {
-    is_open_ = MPI_File_open(MPI_COMM_WORLD, path.c_str(), MPI_MODE_RDONLY, MPI_INFO_NULL,
-                             &file_) == MPI_SUCCESS;
+    // By each rank for itself: where one alone cannot, the others would wait for it for ever.
+    is_open_ = MPI_File_open(MPI_COMM_SELF, path.c_str(), MPI_MODE_RDONLY, MPI_INFO_NULL, &file_) ==
+               MPI_SUCCESS;
 }
 
 SharedFile::~SharedFile()

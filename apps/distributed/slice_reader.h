@@ -11,7 +11,7 @@
 
 namespace proxima {
 
-/// A file that every rank has open. Collective to open and to close.
+/// A file that every rank opens for itself; nothing of it is collective.
 class SharedFile {
 public:
     explicit SharedFile(const std::string& path);
@@ -24,7 +24,7 @@ public:
     /// 0 where the system does not say.
     [[nodiscard]] std::uint64_t bytes() const;
 
-    /// False where the file ends before, or cannot be read. Not collective.
+    /// False where the file ends before, or cannot be read.
     [[nodiscard]] bool read(std::uint64_t offset, char* to, std::uint64_t count);
 
 private:

@@ -35,6 +35,15 @@ class Octree(DistributedTest):
         subprocess.run([PROXIMA, "repair", "spaceship:6000", "--out", self.folder / "ship.ply"], check=True, capture_output=True)
         self.expect_same(self.folder / "ship.ply", "--depth", 8, "--threshold", 4)
 
+    def test_ply_files_with_long_headers(self):
+        """Of more than 64 KiB, and of 64 KiB without the last line's end."""
+        whole = ply(*nasty_mesh(1))
+        header = whole.index(b"end_header") + len("end_header")
+        for length in (100_000, (1 << 16) - header):
+            comment = b"comment " + b"x" * (length - len("comment \n")) + b"\n"
+            path = self.file(f"long_{length}.ply", whole.replace(b"element vertex", comment + b"element vertex", 1))
+            self.expect_same(path, "--depth", 4, ranks=(2,))
+
     def test_nasty_meshes(self):
         for seed in some(range(6), 2):
             path = self.file(f"nasty_{seed}.ply", ply(*nasty_mesh(seed)))
@@ -100,6 +109,25 @@ class Errors(DistributedTest):
             (self.folder / name).mkdir()
             jobs.append([["octree", self.folder / name, *options], f"{name}: ", "folder"])
         self.refuse_each(*jobs, ranks=2)
+
+    def test_files_that_one_rank_alone_lacks(self):
+        vertices, triangles = npy(nasty_mesh(1)[0], "<f8", "d"), npy(nasty_mesh(1)[1], "<i4", "i")
+        arrays = ["vertices.npy", "--triangles", "triangles.npy"]
+        octree = self.folder / "octree.pxo"
+        self.proxima("octree", "torus:40x20", "--depth", 5, "--save", octree)
+        files = {"mesh.ply": ply(*nasty_mesh(1)), "vertices.npy": vertices, "triangles.npy": triangles, "octree.pxo": octree.read_bytes()}
+        folders = [self.folder / "0", self.folder / "1"]
+        for folder in folders:
+            folder.mkdir()
+            for name, content in files.items():
+                (folder / name).write_bytes(content)
+        for name, arguments in (("mesh.ply", ["mesh.ply"]), ("vertices.npy", arrays), ("triangles.npy", arrays), ("octree.pxo", ["octree.pxo"])):
+            (folders[1] / name).unlink()
+            result = run_apart(*((folder, ["octree", *arguments]) for folder in folders))
+            self.assertEqual(result.returncode, 1, result.stderr)
+            self.assertEqual(len(messages(result.stderr)), 1, result.stderr)
+            self.assertIn(f"{name}: cannot be opened for reading on rank 1", messages(result.stderr)[0])
+            (folders[1] / name).write_bytes(files[name])
 
     def test_triangles_beside_another_model(self):
         triangles = self.file("triangles.npy", npy([[0, 1, 2]], "<i4", "i"))
