@@ -7,15 +7,18 @@
 #pragma once
 
 #include "proxima/execution.h"
+#include "proxima/result.h"
 
 #include <atomic>
 #include <functional>
 #include <memory>
+#include <new>
 #include <optional>
 #include <thread>
 
 namespace proxima {
 
+/// T is a Result or a Status: memory that runs out is an error of the work, budget_exceeded.
 template <class T>
 class BackgroundWork {
 public:
@@ -37,7 +40,7 @@ public:
         progress_ = std::make_unique<Progress>();
         done_.store(false);
         thread_ = std::thread([this, work = std::move(work), finished = std::move(finished)] {
-            result_.emplace(work(*progress_));
+            run(work);
             done_.store(true, std::memory_order_release);
             if (finished) finished();
         });
@@ -68,6 +71,17 @@ public:
     [[nodiscard]] const Progress& progress() const noexcept { return *progress_; }
 
 private:
+    template <class Work>
+    void run(const Work& work)
+    {
+        try {
+            result_.emplace(work(*progress_));
+        } catch (const std::bad_alloc&) {
+            result_ = fail(ErrorCode::budget_exceeded,
+                           "there is not enough memory for this: show less, or a coarser mesh");
+        }
+    }
+
     std::thread thread_;
     std::unique_ptr<Progress> progress_;
     std::optional<T> result_;

@@ -5,9 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <new>
 #include <numbers>
-#include <type_traits>
 
 namespace proxima {
 namespace {
@@ -74,18 +72,6 @@ std::vector<Vec3> some_positions(const ViewModels& models)
     return positions;
 }
 
-/// What the work says, or that there was no memory for it: a thread has no other place to say so.
-template <class Work>
-std::invoke_result_t<Work> within_memory(const Work& work)
-{
-    try {
-        return work();
-    } catch (const std::bad_alloc&) {
-        return fail(ErrorCode::budget_exceeded,
-                    "there is not enough memory for this: show less, or a coarser mesh");
-    }
-}
-
 } // namespace
 
 Viewer::Viewer(ViewerOptions options)
@@ -104,9 +90,7 @@ void Viewer::open(std::vector<std::string> names, Placing placing)
     loading_.start(
         [names = std::move(names), kept = std::move(kept), threads = options_.execution.threads,
          budget = options_.execution.budget](Progress& progress) {
-            return within_memory([&] {
-                return load_view_models(names, {threads, &progress, budget}, kept);
-            });
+            return load_view_models(names, {threads, &progress, budget}, kept);
         },
         options_.wake);
 }
@@ -165,7 +149,7 @@ void Viewer::start_task()
     working_.start(
         [task = panels_[panel_]->task(models_), threads = options_.execution.threads,
          budget = options_.execution.budget](Progress& progress) {
-            return within_memory([&] { return task({threads, &progress, budget}); });
+            return task({threads, &progress, budget});
         },
         options_.wake);
 }

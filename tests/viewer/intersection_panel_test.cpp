@@ -1,11 +1,15 @@
 // Two meshes that meet, or do not, without a window.
 #include "proxima/mesh_io.h"
 #include "proxima/sample_meshes.h"
+#include "viewer/panels/panels.h"
 #include "viewer/shown_viewer.h"
+#include "viewer/view_models.h"
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <filesystem>
+#include <set>
 #include <string>
 #include <utility>
 #include <vector>
@@ -154,6 +158,36 @@ TEST(IntersectionPanel, LeavesTheCameraWhereNothingMetAtFirst)
     ASSERT_TRUE(put({"position x=0.95", "position y=0", "position z=0"}));
     EXPECT_TRUE(viewer.picture().focus.has_value());
     EXPECT_TRUE(same(apart, viewer.camera()));
+}
+
+TEST(IntersectionPanel, StopsWhereItIsAskedTo)
+{
+    const auto models =
+        load_view_models(std::vector<std::string>{"icosphere:3", "torus:32x16"}, {});
+    ASSERT_TRUE(models);
+    const auto panel = make_intersection_panel();
+    panel->models_changed(*models, Vec3::UnitZ());
+    const PanelTask task = panel->task(*models);
+    ASSERT_TRUE(task({})); // the octrees are kept
+    Progress stopped;
+    stopped.cancel();
+    const auto picture = task({.progress = &stopped});
+    ASSERT_FALSE(picture);
+    EXPECT_EQ(picture.error().code, ErrorCode::cancelled);
+    // At every report, until there are no more.
+    std::set<std::string> stages;
+    for (std::uint64_t report = 1;; ++report) {
+        ASSERT_LT(report, 1000U);
+        Progress progress;
+        progress.cancel_after(report);
+        const auto result = task({.progress = &progress});
+        if (!progress.cancelled()) break;
+        stages.insert(progress.stage());
+        ASSERT_FALSE(result) << report;
+        EXPECT_EQ(result.error().code, ErrorCode::cancelled);
+    }
+    EXPECT_EQ(stages,
+              (std::set<std::string>{"finding the intersection contour", "intersecting meshes"}));
 }
 
 TEST(IntersectionPanel, ReportsTheDistanceOfMeshes)

@@ -6,15 +6,19 @@
 #include "proxima/haptic_renderer.h"
 #include "proxima/octree.h"
 #include "query/closest/brute_force.h"
+#include "viewer/panels/panels.h"
 #include "viewer/shown_viewer.h"
+#include "viewer/view_models.h"
 
 #include <array>
+#include <atomic>
 #include <cmath>
 #include <filesystem>
 #include <fstream>
 #include <numbers>
 #include <optional>
 #include <set>
+#include <thread>
 
 namespace proxima::panels_test {
 namespace {
@@ -447,6 +451,46 @@ TEST(Panels, TouchPanelFeelsTheSurface)
     shown.set({"hand z=1.5"});
     EXPECT_EQ(shown.fact("contact"), "free");
     EXPECT_EQ(shown.number("force"), 0.0);
+}
+
+TEST(Panels, TouchPanelStopsWhereItIsAskedTo)
+{
+    const auto models = load_view_models(std::vector<std::string>{"icosphere:3"}, {});
+    ASSERT_TRUE(models);
+    const auto panel = make_touch_panel(Pictures::still);
+    panel->models_changed(*models, Vec3::UnitZ());
+    Progress stopped;
+    stopped.cancel();
+    const auto picture = panel->task(*models)({.progress = &stopped});
+    ASSERT_FALSE(picture);
+    EXPECT_EQ(picture.error().code, ErrorCode::cancelled);
+    // Where there is no memory to find its inside, it is touched all the same.
+    EXPECT_TRUE(panel->task(*models)({.budget = {1}}));
+}
+
+TEST(Panels, WindowsDoNotWaitForWhatTouchPanelsBuild)
+{
+    const auto models = load_view_models(std::vector<std::string>{"icosphere:6"}, {});
+    ASSERT_TRUE(models);
+    // A frame that comes back in time can stop the work. It may come late on a busy machine, but not
+    // again and again.
+    bool was_stopped = false;
+    for (int i = 0; i < 10 && !was_stopped; ++i) {
+        const auto panel = make_touch_panel(Pictures::live);
+        panel->models_changed(*models, Vec3::UnitZ());
+        Progress progress;
+        std::atomic<bool> is_done = false;
+        std::thread worker([&] {
+            was_stopped = !panel->task(*models)({.progress = &progress});
+            is_done = true;
+        });
+        while (*progress.stage() == '\0' && !is_done) std::this_thread::yield();
+        PanelPicture frame;
+        panel->add_live(frame);
+        progress.cancel();
+        worker.join();
+    }
+    EXPECT_TRUE(was_stopped);
 }
 
 TEST(Panels, TouchRunsLiveWithLivePictures)

@@ -1,5 +1,8 @@
 // The viewer without a window: models, the mouse, work in the background, settings by name.
+#include "viewer/background_work.h"
 #include "viewer/shown_viewer.h"
+
+#include <new>
 
 namespace proxima::viewer_test {
 namespace {
@@ -174,6 +177,15 @@ TEST(Viewer, CancelsWorkAndStartsAgain)
     shown.set({"rings=2"});
     EXPECT_TRUE(viewer.problem().empty());
     EXPECT_FALSE(shown.fact("distance").empty());
+}
+
+TEST(BackgroundWork, ReportsThatMemoryRanOut)
+{
+    BackgroundWork<Status> work;
+    work.start([](Progress& /*progress*/) -> Status { throw std::bad_alloc(); });
+    const Status done = work.take();
+    ASSERT_FALSE(done);
+    EXPECT_EQ(done.error().code, ErrorCode::budget_exceeded);
 }
 
 TEST(Viewer, MayBeDestroyedWhileItWorks)

@@ -1,4 +1,5 @@
 // Two meshes, one of them moved: leaves that meet, their triangles, and the contour: figure 5.4.
+#include "base/progress.h"
 #include "proxima/execution.h"
 #include "proxima/intersect_meshes.h"
 #include "proxima/mesh_distance.h"
@@ -11,6 +12,8 @@
 #include <fmt/core.h>
 #include <numbers>
 #include <optional>
+#include <span>
+#include <vector>
 
 namespace proxima {
 namespace {
@@ -90,7 +93,9 @@ public:
         });
         if (!sides) return tl::unexpected(sides.error());
         const Sides& of = **sides;
-        const auto apart = mesh_distance(of.near_a, of.near_b, pose);
+        const auto apart =
+            mesh_distance(of.near_a, of.near_b, pose, {.progress = context.progress});
+        if (is_cancelled(context.progress)) return cancelled("finding the distance");
         if (apart) picture.facts.push_back({"apart", fmt::format("{:.5g}", apart->distance)});
         switch (find_containment(of.round_a, of.round_b, pose).containment) {
         case Containment::none:
@@ -209,10 +214,21 @@ public:
             const auto octree_b = octree_of(*kept_b, choice, *b, context);
             if (!octree_b) return tl::unexpected(octree_b.error());
             const RigidTransform pose = pose_of(settings, *b);
-            const auto leaves = intersecting_leaves(**octree_a, **octree_b, pose);
+            std::vector<LeafPair> leaves;
+            visit_intersecting_leaves(**octree_a, **octree_b, pose, [&](const LeafPair& pair) {
+                leaves.push_back(pair);
+                return is_cancelled(context.progress) ? Flow::stop : Flow::proceed;
+            });
+            if (is_cancelled(context.progress)) return cancelled("finding leaves that meet");
             const auto candidates = candidate_triangles(**octree_a, **octree_b, leaves);
-            const auto pairs = intersecting_pairs(a->rays, b->rays, pose);
-            const auto contour = intersection_contour(a->mesh, b->mesh, pose, pairs);
+            const auto found =
+                intersecting_pairs(a->rays, b->rays, std::span(&pose, 1), {.execution = context});
+            if (!found) return tl::unexpected(found.error());
+            const std::vector<TrianglePair>& pairs = found->pairs;
+            const auto on_both =
+                intersection_contour(a->mesh, b->mesh, pose, pairs, {.execution = context});
+            if (!on_both) return tl::unexpected(on_both.error());
+            const IntersectionContour& contour = *on_both;
 
             PanelPicture picture;
             picture.focus = box_of_contact(contour, box_of_both(*a, *b, pose));

@@ -193,14 +193,14 @@ public:
     [[nodiscard]] PanelTask task(const ViewModels& models) const override
     {
         return [models, model = model(), settings = settings_, slot = slot_,
-                pictures = pictures_](const Execution& /*context*/) -> Result<PanelPicture> {
+                pictures = pictures_](const Execution& context) -> Result<PanelPicture> {
             if (pictures == Pictures::still && !settings.by_mouse()) {
                 return fail(ErrorCode::invalid_argument,
                             concat(settings.device.device(),
                                    " needs the window: a picture is touched by the mouse's hand"),
                             "device");
             }
-            const auto touchable = touchable_of(*slot, model);
+            const auto touchable = touchable_of(*slot, model, context);
             if (!touchable) return tl::unexpected(touchable.error());
             PanelPicture picture;
             picture.layers = model_layers(models, Smoothing::smooth);
@@ -259,15 +259,23 @@ public:
 
 private:
     static Result<std::shared_ptr<const Touchable>>
-    touchable_of(TouchSlot& slot, const std::shared_ptr<const ViewModel>& model)
+    touchable_of(TouchSlot& slot, const std::shared_ptr<const ViewModel>& model,
+                 const Execution& context)
     {
-        const std::scoped_lock lock(slot.mutex);
-        if (slot.latest && slot.latest->model == model) return slot.latest;
-        auto surface = IndexContactSurface::make(with_exits(model->rays).value_or(model->rays));
+        {
+            const std::scoped_lock lock(slot.mutex);
+            if (slot.latest && slot.latest->model == model) return slot.latest;
+        }
+        // Built without the lock, for which the window would wait. A model without exits, for which
+        // there may be no memory, can be touched too.
+        auto with = with_exits(model->rays, context);
+        if (!with && with.error().code == ErrorCode::cancelled) return tl::unexpected(with.error());
+        auto surface = IndexContactSurface::make(with.value_or(model->rays));
         if (!surface) return tl::unexpected(surface.error());
         auto made = std::make_shared<Touchable>();
         made->model = model;
         made->surface = std::move(*surface);
+        const std::scoped_lock lock(slot.mutex);
         slot.latest = std::move(made);
         return slot.latest;
     }
