@@ -19,12 +19,31 @@ namespace proxima {
 namespace {
 
 constexpr std::uint32_t no_component = ~std::uint32_t{0};
+constexpr std::uint32_t several_components = no_component - 1;
+
+/// By each vertex's position: the component of the triangles there, or several.
+std::vector<std::uint32_t> components_at_vertices(const TriangleMesh& mesh,
+                                                  const std::vector<std::uint32_t>& first,
+                                                  const std::vector<std::uint32_t>& components)
+{
+    std::vector<std::uint32_t> at(mesh.vertex_count(), no_component);
+    for (std::uint32_t t = 0; t < components.size(); ++t) {
+        if (components[t] == no_component) continue;
+        for (const std::uint32_t corner : mesh.triangles()[t]) {
+            std::uint32_t& there = at[first[corner]];
+            const bool is_same = there == no_component || there == components[t];
+            there = is_same ? components[t] : several_components;
+        }
+    }
+    for (std::size_t v = 0; v < at.size(); ++v) at[v] = at[first[v]];
+    return at;
+}
 
 /// For every triangle the lowest one that edges connect it with; vertices at one position are one. No
 /// component of triangles without three different ones.
-std::vector<std::uint32_t> components_of(const TriangleMesh& mesh)
+std::vector<std::uint32_t> components_of(const TriangleMesh& mesh,
+                                         const std::vector<std::uint32_t>& first)
 {
-    const std::vector<std::uint32_t> first = detail::first_at_position(mesh);
     struct Side {
         std::uint64_t vertices;
         std::uint32_t triangle;
@@ -76,11 +95,18 @@ tl::unexpected<Error> refuse(std::uint32_t component, std::string_view what)
                 concat("the component with triangle ", component, " faces inward ", what));
 }
 
+tl::unexpected<Error> refuse_outside(std::uint32_t component)
+{
+    return refuse(component,
+                  "and is in nothing that it could be a cavity of: turn it (proxima repair)");
+}
+
 } // namespace
 
 Status check_cavities(const MeshIndex& index, const TriangleMesh& mesh, const Execution& execution)
 {
-    const std::vector<std::uint32_t> components = components_of(mesh);
+    const std::vector<std::uint32_t> first = detail::first_at_position(mesh);
+    const std::vector<std::uint32_t> components = components_of(mesh, first);
     const std::vector<double> volumes = volumes_of(mesh, components, index.parts().scale());
     std::vector<TriangleId> inward;
     std::vector<TriangleId> outward;
@@ -107,20 +133,32 @@ Status check_cavities(const MeshIndex& index, const TriangleMesh& mesh, const Ex
                       concat("and touches itself or another such", needed));
     }
     const Box bounds = bounding_box(mesh);
-    for (const TriangleId triangle : inward) {
-        const std::uint32_t component = components[to_index(triangle)];
-        if (to_index(triangle) != component) continue;
+    const auto winding_of_others = [&](std::uint32_t component, std::uint32_t vertex) {
         int winding = 0;
-        visit_crossings(index.parts(), bounds, {}, mesh.triangle(triangle)[0],
+        visit_crossings(index.parts(), bounds, {}, mesh.positions()[vertex],
                         [&](std::uint32_t row, int crossing) {
                             const std::uint32_t other = components[to_index(index.ids()[row])];
                             if (other != component && other != no_component) winding += crossing;
                         });
-        if (winding < 1) {
-            return refuse(component, "and is in nothing that it could be a cavity of: turn it "
-                                     "(proxima repair)");
+        return winding;
+    };
+    // At a vertex that other cavities have, too, the winding number may be that in one of them, which
+    // is less: only a vertex of its own tells that a component is in nothing.
+    const std::vector<std::uint32_t> at_vertices = components_at_vertices(mesh, first, components);
+    std::vector<bool> is_inside(mesh.triangle_count(), false); // by component
+    for (const TriangleId triangle : inward) {
+        const std::uint32_t component = components[to_index(triangle)];
+        for (const std::uint32_t corner : mesh.triangles()[to_index(triangle)]) {
+            if (is_inside[component]) break;
+            is_inside[component] = winding_of_others(component, corner) >= 1;
+            if (!is_inside[component] && at_vertices[corner] == component)
+                return refuse_outside(component);
+            if (is_cancelled(execution.progress)) return cancelled("checking cavities");
         }
-        if (is_cancelled(execution.progress)) return cancelled("checking cavities");
+    }
+    for (const TriangleId triangle : inward) {
+        const std::uint32_t component = components[to_index(triangle)];
+        if (!is_inside[component]) return refuse_outside(component);
     }
     return {};
 }

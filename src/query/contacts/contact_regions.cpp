@@ -3,15 +3,19 @@
 #include "geometry/closest_point.h"
 #include "geometry/length.h"
 #include "proxima/contacts.h"
+#include "proxima/neighbourhood.h"
 #include "query/contacts/contact_lines.h"
 #include "query/contacts/solid_parts.h"
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <numbers>
 #include <optional>
+#include <span>
 #include <tuple>
 #include <utility>
+#include <vector>
 
 namespace proxima {
 
@@ -26,6 +30,85 @@ struct RegionSums {
 };
 
 constexpr double parallel_faces = 1 - 1e-6; ///< of normals' product: in one plane, or as good as
+
+/// The triangles of a solid, moved, that meet another one, in the order in which they were added.
+class MeetingTriangles {
+public:
+    /// The solid must outlive it; without a pose it is not moved. No coordinate of the two solids, nor
+    /// of the pose's translation, is above `reach`.
+    MeetingTriangles(const SolidParts& solid, const std::optional<RigidTransform>& pose,
+                     double reach)
+        : solid_(solid), pose_(pose), back_(pose ? true_inverse(*pose) : RigidTransform{}),
+          rounding_(0x1p-40 * reach), rank_(solid.mesh.triangle_count(), none)
+    {}
+
+    /// Once for each pair of triangles that meet.
+    void add(TriangleId id)
+    {
+        std::uint32_t& rank = rank_[to_index(id)];
+        if (rank == none) {
+            rank = static_cast<std::uint32_t>(met_.size());
+            met_.push_back({.id = id});
+        }
+        ++met_[rank].pairs;
+    }
+
+    struct Found {
+        std::vector<Triangle> triangles; ///< moved
+        std::size_t pairs = 0;           ///< how many these are in
+    };
+    /// Those no farther from one of the points than `near`. Looks only at triangles close to them.
+    [[nodiscard]] Found near_points(std::span<const Vec3> points, double near)
+    {
+        ++searches_;
+        ranks_.clear();
+        ranks_.reserve(met_.size()); // visitors must not throw
+        const Vec3 reach = Vec3::Constant((1 + 0x1p-20) * near + rounding_);
+        for (const Vec3& p : points) {
+            const Vec3 there = back_(p);
+            const auto visit = [&](TriangleId id) noexcept {
+                const std::uint32_t rank = rank_[to_index(id)];
+                if (rank == none || met_[rank].found_by == searches_) return Flow::proceed;
+                if (length_of(closest_point(moved(id), p).point - p) <= near) {
+                    met_[rank].found_by = searches_;
+                    ranks_.push_back(rank);
+                }
+                return Flow::proceed;
+            };
+            visit_triangles(solid_.index, Box{there - reach, there + reach}, visit);
+        }
+        std::ranges::sort(ranks_);
+        Found found;
+        for (const std::uint32_t rank : ranks_) {
+            found.triangles.push_back(moved(met_[rank].id));
+            found.pairs += met_[rank].pairs;
+        }
+        return found;
+    }
+
+private:
+    static constexpr std::uint32_t none = ~std::uint32_t{0};
+    struct Met {
+        TriangleId id{};
+        std::size_t pairs = 0;
+        std::size_t found_by = 0; ///< the last search that found it
+    };
+
+    [[nodiscard]] Triangle moved(TriangleId id) const noexcept
+    {
+        const Triangle triangle = solid_.mesh.triangle(id);
+        return pose_ ? (*pose_)(triangle) : triangle;
+    }
+
+    const SolidParts& solid_;
+    std::optional<RigidTransform> pose_;
+    RigidTransform back_;
+    double rounding_;                 ///< of points that are moved back, and of closest points
+    std::vector<std::uint32_t> rank_; ///< by triangle, in met_
+    std::vector<Met> met_;
+    std::vector<std::uint32_t> ranks_;
+    std::size_t searches_ = 0;
+};
 
 class RegionMaker {
 public:
@@ -287,25 +370,14 @@ private:
             for (const ContourPoint& point : contour_.points_of(contour_.lines[number]))
                 points.push_back(point.position);
         }
-        if (!pairs_) pairs_ = intersecting_pairs(a_.index, b_.index, pose_);
-        constexpr std::size_t most = 1 << 22; // of distances: meshes with flush faces are simple
-        if (points.size() * pairs_->size() > most) return {};
+        if (!meeting_a_) find_meeting_triangles();
         const double near = 1e-9 * region.length;
-        std::vector<Vec3> of_a;
-        std::vector<Vec3> of_b;
-        const auto add = [&](const Triangle& t, std::vector<Vec3>& normals) {
-            const bool is_there = std::ranges::any_of(points, [&](const Vec3& p) {
-                return length_of(closest_point(t, p).point - p) <= near;
-            });
-            const Vec3 normal = unit_normal({t[0], t[1]}, {t[0], t[2]});
-            const bool is_new = std::ranges::none_of(
-                normals, [&](const Vec3& other) { return other.dot(normal) > parallel_faces; });
-            if (is_there && is_new) normals.push_back(normal);
-        };
-        for (const TrianglePair& pair : *pairs_) {
-            add(a_.mesh.triangle(pair.a), of_a);
-            add(pose_(b_.mesh.triangle(pair.b)), of_b);
-        }
+        const MeetingTriangles::Found found_a = meeting_a_->near_points(points, near);
+        const MeetingTriangles::Found found_b = meeting_b_->near_points(points, near);
+        constexpr std::size_t most = 1 << 22; // of both: where faces are flush, regions are simple
+        if (points.size() * std::min(found_a.pairs, found_b.pairs) > most) return {};
+        const std::vector<Vec3> of_a = different_normals(found_a.triangles);
+        const std::vector<Vec3> of_b = different_normals(found_b.triangles);
         std::vector<Vec3> facing;
         for (const Vec3& u : of_a) {
             for (const Vec3& v : of_b)
@@ -314,12 +386,36 @@ private:
         return facing;
     }
 
+    void find_meeting_triangles()
+    {
+        const double reach = a_.largest + b_.largest + pose_.translation.cwiseAbs().maxCoeff();
+        meeting_a_.emplace(a_, std::nullopt, reach);
+        meeting_b_.emplace(b_, pose_, reach);
+        for (const TrianglePair& pair : intersecting_pairs(a_.index, b_.index, pose_)) {
+            meeting_a_->add(pair.a);
+            meeting_b_->add(pair.b);
+        }
+    }
+
+    static std::vector<Vec3> different_normals(std::span<const Triangle> triangles)
+    {
+        std::vector<Vec3> normals;
+        for (const Triangle& t : triangles) {
+            const Vec3 normal = unit_normal({t[0], t[1]}, {t[0], t[2]});
+            const bool is_new = std::ranges::none_of(
+                normals, [&](const Vec3& other) { return other.dot(normal) > parallel_faces; });
+            if (is_new) normals.push_back(normal);
+        }
+        return normals;
+    }
+
     const SolidParts& a_;
     const SolidParts& b_;
     RigidTransform pose_;
     ContactLines lines_;
     const IntersectionContour& contour_;
-    std::optional<std::vector<TrianglePair>> pairs_; ///< that meet; where some faces are flush
+    std::optional<MeetingTriangles> meeting_a_; ///< where some faces are flush
+    std::optional<MeetingTriangles> meeting_b_;
 };
 
 /// The lines of the contour by what they are joined to, in their order.

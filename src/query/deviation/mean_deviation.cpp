@@ -125,12 +125,21 @@ struct SurfaceShare {
 
 SurfaceShare share_of(const MeanDeviation& there, const MeanDeviation& back)
 {
+    const double largest = std::max({there.area, there.area_error, back.area, back.area_error});
+    if (!std::isfinite(largest)) return {};
+    // The sum of all four stays within the doubles. Small ones keep their last bits.
+    const double scale = largest > 1 ? 0.25 : 1;
+    const auto bounds = [scale](const MeanDeviation& of) {
+        const double area = scale * of.area;
+        const double error = scale * of.area_error;
+        return DistanceBounds{std::max(area - error, 0.0), area + error};
+    };
     const auto share = [](double one, double other) { return one / (one + other); };
-    const double least =
-        share(std::max(there.area - there.area_error, 0.0), back.area + back.area_error);
-    const double most =
-        share(there.area + there.area_error, std::max(back.area - back.area_error, 0.0));
-    if (!(least >= 0 && most <= 1)) return {};
+    const DistanceBounds one = bounds(there);
+    const DistanceBounds other = bounds(back);
+    const double least = share(one.lower, other.upper);
+    const double most = share(one.upper, other.lower);
+    if (!(least >= 0 && most <= 1)) return {}; // neither is known to have an area
     return {least, most};
 }
 
@@ -188,7 +197,8 @@ Result<MeanDeviation> mean_deviation(const MeshIndex& a, const MeshIndex& b,
     result.mean = pair->from_units(found.mean);
     result.root_mean_square = pair->from_units(found.root);
     result.area = pair->area_from_units(area);
-    result.area_error = pair->area_from_units(sums->area_error.value() + 0x1p-44 * area);
+    result.area_error =
+        pair->area_error_from_units(area, sums->area_error.value() + 0x1p-44 * area);
     if (options.histogram_bins != 0) result.histogram = sums->histogram.shares(area);
     result.splits = splits;
     result.is_complete = width(found.mean) <= tolerance && width(found.root) <= tolerance;

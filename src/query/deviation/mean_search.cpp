@@ -111,7 +111,8 @@ void MeanSearch::add_triangle(std::uint32_t row, MeanSums& sums, std::vector<Mea
     for (int i = 0; i < 3; ++i)
         side = std::max(side, (triangle[(i + 1) % 3] - triangle[i]).squaredNorm());
     sums.area.add(area_of(triangle));
-    sums.area_error.add(0x1p-48 * side);
+    // The second is for products below the doubles: the root of a square that became 0.
+    sums.area_error.add(0x1p-48 * side + 0x1p-535);
     add_part({.part = {.corners = triangle.vertices, .nearest = vertices_.of_row(pair_.a(), row)},
               .row = row},
              sums, left);

@@ -141,6 +141,14 @@ double SurfacePair::area_from_units(double area) const noexcept
     return std::ldexp(area, 2 * exponent_);
 }
 
+double SurfacePair::area_error_from_units(double area, double error) const noexcept
+{
+    const auto back = [&](double converted) { return std::ldexp(converted, -2 * exponent_); };
+    const double all = error + std::abs(back(area_from_units(area)) - area);
+    const double result = area_from_units(all);
+    return back(result) < all ? std::nextafter(result, HUGE_VAL) : result;
+}
+
 NearestRow SurfacePair::nearest(const Vec3& p, double known) const noexcept
 {
     const double most = known * (1 + 0x1p-30) + rounding(64);

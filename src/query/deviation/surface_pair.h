@@ -65,6 +65,9 @@ public:
     [[nodiscard]] DistanceBounds from_units(const DistanceBounds& bounds) const noexcept;
     [[nodiscard]] Vec3 from_units(const Vec3& point) const noexcept;
     [[nodiscard]] double area_from_units(double area) const noexcept;
+    /// How far area_from_units(area) is from the truth at most, where `area` is by `error`: infinitely
+    /// where it is infinite.
+    [[nodiscard]] double area_error_from_units(double area, double error) const noexcept;
 
     /// Nothing farther than `known` is there, up to rounding.
     [[nodiscard]] NearestRow nearest(const Vec3& p, double known) const noexcept;

@@ -199,6 +199,85 @@ TEST(ContactRegions, OfFlushBoxesFaceAcrossTheLeastDepth)
     }
 }
 
+/// A box of slices along y, which all have their own triangles at its four sides.
+TriangleMesh sliced_box(const Box& box, std::uint32_t slices)
+{
+    std::vector<Vec3> positions;
+    std::vector<TriangleCorners> triangles;
+    const auto square = [&](std::uint32_t a, std::uint32_t b, std::uint32_t c, std::uint32_t d) {
+        triangles.push_back({a, b, c});
+        triangles.push_back({a, c, d});
+    };
+    for (std::uint32_t i = 0; i <= slices; ++i) {
+        const double y = box.lower.y() + i * (box.extent().y() / slices);
+        positions.emplace_back(box.lower.x(), y, box.lower.z());
+        positions.emplace_back(box.upper.x(), y, box.lower.z());
+        positions.emplace_back(box.upper.x(), y, box.upper.z());
+        positions.emplace_back(box.lower.x(), y, box.upper.z());
+        if (i == 0) continue;
+        const std::uint32_t at = 4 * (i - 1);
+        for (std::uint32_t k = 0; k < 4; ++k)
+            square(at + k, at + 4 + k, at + 4 + (k + 1) % 4, at + (k + 1) % 4);
+    }
+    const std::uint32_t end = 4 * slices;
+    square(0, 1, 2, 3);
+    square(end, end + 3, end + 2, end + 1);
+    return mesh_of(std::move(positions), std::move(triangles));
+}
+
+void expect_same(const ContactRegion& one, const ContactRegion& other, const Vec3& shift)
+{
+    EXPECT_NEAR((one.position + shift - other.position).norm(), 0, 1e-9);
+    EXPECT_NEAR((one.normal - other.normal).norm(), 0, 1e-9);
+    EXPECT_NEAR(one.depth, other.depth, 1e-9);
+    EXPECT_NEAR(one.length, other.length, 1e-9);
+    EXPECT_EQ(one.point_count, other.point_count);
+}
+
+TEST(ContactRegions, OfOneOfManyThatAreFlushAreThoseOfItAlone)
+{
+    // A bar on the edge of a plate, its side flush with the plate's, and pins that stand on the plate.
+    const Solid plate = solid_of(box_mesh({Vec3(-1, -1, -1), Vec3(41, 41, 0)}));
+    const TriangleMesh bar = sliced_box({Vec3(-1, 1, -0.125), Vec3(0, 35, 1)}, 272);
+    const TriangleMesh pin = box_mesh({Vec3(2, 0, 0), Vec3(3, 1, 1)});
+    const ContactRegions of_bar = regions_of(plate, solid_of(bar));
+    ASSERT_EQ(of_bar.regions.size(), 1U);
+    EXPECT_NEAR((of_bar.regions[0].normal - Vec3::UnitZ()).norm(), 0, 1e-9);
+    EXPECT_NEAR(of_bar.regions[0].depth, 0.125, 1e-9);
+    const ContactRegions of_pin = regions_of(plate, solid_of(pin));
+    ASSERT_EQ(of_pin.regions.size(), 1U);
+    TriangleMesh all = bar;
+    std::vector<Vec3> shifts;
+    for (int i = 0; i < 18; ++i) {
+        for (int j = 0; j < 20; ++j) {
+            const Vec3 shift(2 * i, 2 * j, 0);
+            shifts.push_back(shift);
+            all = joined(all, moved(pin, [&](const Vec3& p) { return Vec3(p + shift); }));
+        }
+    }
+    const Solid many = solid_of(all);
+    const ContactRegions found = regions_of(plate, many);
+    expect_sound(plate, many, {}, found);
+    ASSERT_EQ(found.regions.size(), 1 + shifts.size());
+    std::vector<ContactRegion> regions = found.regions;
+    const auto longest = std::ranges::max_element(regions, {}, &ContactRegion::length);
+    expect_same(of_bar.regions[0], *longest, Vec3::Zero());
+    regions.erase(longest);
+    for (const ContactRegion& region : regions) {
+        const Vec3& there = region.position;
+        const auto nearest = std::ranges::min_element(shifts, {}, [&](const Vec3& shift) {
+            return (of_pin.regions[0].position + shift - there).norm();
+        });
+        expect_same(of_pin.regions[0], region, *nearest);
+        shifts.erase(nearest);
+    }
+    // The other way round the many triangles are A's.
+    const ContactRegions back = regions_of(many, plate);
+    ASSERT_EQ(back.regions.size(), found.regions.size());
+    for (const ContactRegion& region : back.regions)
+        EXPECT_NEAR((region.normal + Vec3::UnitZ()).norm(), 0, 1e-9);
+}
+
 TEST(ContactRegions, OfPosesThatAreNoRotationAreThoseOfTheMovedVertices)
 {
     const Solid cube = solid_of(make_cube());

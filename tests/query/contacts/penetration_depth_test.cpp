@@ -6,6 +6,7 @@
 #include "query/contacts/random_motions.h"
 #include "query/contacts/solid_shapes.h"
 
+#include <algorithm>
 #include <cmath>
 #include <gtest/gtest.h>
 #include <utility>
@@ -561,6 +562,43 @@ TEST(Solid, HasCavitiesWhereInnerShellsFaceInward)
     const Solid filled = solid_of(joined(two, inverted(box(0.125, Vec3(0.5, 0, 0)))));
     const Solid tiny = solid_of(box(0.0625, Vec3(0.5, 0, 0)));
     EXPECT_TRUE(solids_overlap(filled, tiny)) << "the other component still fills it";
+}
+
+TEST(Solid, MayHaveCavitiesThatShareAVertex)
+{
+    // Of two tetrahedra, along every axis both ways from their common corner. Triangles begin with any of
+    // their corners, that one included.
+    const TriangleMesh cube = moved(make_cube(), [](const Vec3& p) { return Vec3(4 * p); });
+    const std::vector<Vec3> corners = {Vec3(0, 0, 0), Vec3(1, -1, -0.5), Vec3(1, 1, -0.5),
+                                       Vec3(1, 0, 1)};
+    const Solid box = solid_of(box_mesh({Vec3(3, -1, -1), Vec3(6, 1, 1)}));
+    const Solid speck = solid_of(box_mesh({Vec3(-0.01, -0.01, -0.01), Vec3(0.01, 0.01, 0.01)}));
+    for (int axis = 0; axis < 3; ++axis) {
+        for (std::uint32_t turn = 0; turn < 3; ++turn) {
+            SCOPED_TRACE(::testing::Message() << axis << ", " << turn);
+            std::vector<TriangleCorners> triangles = {{0, 1, 2}, {0, 2, 3}, {0, 3, 1}, {1, 3, 2}};
+            for (TriangleCorners& t : triangles) std::rotate(t.begin(), t.begin() + turn, t.end());
+            const auto cavity = [&](double sign) {
+                std::vector<Vec3> positions;
+                for (const Vec3& p : corners) {
+                    Vec3& q = positions.emplace_back();
+                    for (int k = 0; k < 3; ++k) q[(k + axis) % 3] = sign * p[k];
+                }
+                const TriangleMesh mesh = mesh_of(positions, triangles);
+                return sign > 0 ? mesh : inverted(mesh);
+            };
+            const auto hollow =
+                build_solid(build_mesh_index(joined(joined(cube, cavity(1)), cavity(-1))).value());
+            ASSERT_TRUE(hollow) << describe(hollow.error());
+            EXPECT_NEAR(penetration_depth(*hollow, box, {})->upper, 1, 1e-9);
+            for (const double sign : {1.0, -1.0}) {
+                Vec3 middle = Vec3::Zero();
+                middle[axis] = 0.75 * sign;
+                EXPECT_FALSE(solids_overlap(*hollow, speck, moved_by(middle)));
+            }
+            EXPECT_TRUE(solids_overlap(*hollow, speck));
+        }
+    }
 }
 
 TEST(Solid, IsRefusedWhereAComponentThatFacesInwardIsNoCavity)

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 #include <gtest/gtest.h>
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -210,6 +211,83 @@ TEST(TwoSidedMean, IsHonestWhereAreasAreNot)
     const TwoSidedMean none = both_ways(one_way(0, 1, 0), one_way(0, 1, 0));
     EXPECT_LT(none.mean.upper, 1e-300);
     EXPECT_EQ(none.root_mean_square.upper, 0);
+}
+
+TEST(TwoSidedMean, CountsAreasAtTheEndsOfTheDoubles)
+{
+    // At the lower end the areas are about the least double. At the upper end they are doubles, but their
+    // sum, or the sum of one and its error, is none.
+    for (const double s :
+         {1.2e-162, 2.4e-162, 3.3e-162, 1e-160, 1.0, 1.3e154, 1.5e154, 1.7929e154, 2e154}) {
+        SCOPED_TRACE(s);
+        const MeshIndex a =
+            index_of(mesh_of({Vec3(0, 0, 0), Vec3(s, 0, 0), Vec3(0, s, 0)}, {{0, 1, 2}}));
+        const MeshIndex b = index_of(
+            mesh_of({Vec3(0, 0, 0.5 * s), Vec3(s, 0, 0.5 * s), Vec3(0, s, s)}, {{0, 1, 2}}));
+        const auto there = mean_deviation(a, b);
+        const auto back = mean_deviation(b, a);
+        ASSERT_TRUE(there) << describe(there.error());
+        ASSERT_TRUE(back) << describe(back.error());
+        const long double square = static_cast<long double>(s) * s;
+        const long double slope = std::sqrt(1.25L); // by which B's area is larger
+        EXPECT_LE(std::abs(there->area - 0.5L * square), there->area_error);
+        EXPECT_LE(std::abs(back->area - 0.5L * slope * square), back->area_error);
+        const auto share = static_cast<double>(1 / (1 + slope));
+        const TwoSidedMean both = both_ways(*there, *back);
+        const auto mixed = [&](double of_a, double of_b) {
+            return share * of_a + (1 - share) * of_b;
+        };
+        EXPECT_LE(both.mean.lower, mixed(there->mean.upper, back->mean.upper));
+        EXPECT_GE(both.mean.upper, mixed(there->mean.lower, back->mean.lower));
+        const double width = both.mean.upper - both.mean.lower;
+        if (s > 1e-161 && s < 1.8e154) {
+            EXPECT_LT(width, 1e-3 * s);
+        }
+    }
+}
+
+TEST(TwoSidedMean, AddsUpAreasWhoseSumIsNoDouble)
+{
+    const auto one_way = [](double distance, double area, double error) {
+        return MeanDeviation{.mean = {distance, distance},
+                             .root_mean_square = {distance, distance},
+                             .area = area,
+                             .area_error = error,
+                             .histogram = {}};
+    };
+    constexpr double most = std::numeric_limits<double>::max();
+    const TwoSidedMean equal = both_ways(one_way(1, most, 0), one_way(4, most, 0));
+    EXPECT_NEAR(equal.mean.lower, 2.5, 1e-12);
+    EXPECT_NEAR(equal.mean.upper, 2.5, 1e-12);
+    // From a third to two thirds of both.
+    const TwoSidedMean doubtful =
+        both_ways(one_way(1, 0.75 * most, 0.25 * most), one_way(4, 0.75 * most, 0.25 * most));
+    EXPECT_NEAR(doubtful.mean.lower, 2, 1e-12);
+    EXPECT_NEAR(doubtful.mean.upper, 3, 1e-12);
+    // Nothing is known of a share where an area is infinite.
+    for (const double error : {0.0, 1e300, HUGE_VAL}) {
+        const TwoSidedMean unknown = both_ways(one_way(1, 1e308, 0), one_way(4, HUGE_VAL, error));
+        EXPECT_LE(unknown.mean.lower, 1);
+        EXPECT_GE(unknown.mean.upper, 4);
+    }
+}
+
+TEST(MeanDeviation, HasAreasOfTrianglesWhoseSquaresAreBelowTheDoubles)
+{
+    const MeshIndex large =
+        index_of(mesh_of({Vec3(1, 0, 0), Vec3(2, 0, 0), Vec3(1, 1, 0)}, {{0, 1, 2}}));
+    for (const double s : {1.23e-80, 2.9e-81, 1.7e-79, 3.1e-75}) {
+        SCOPED_TRACE(s);
+        const MeshIndex small =
+            index_of(mesh_of({Vec3(0, 0, 0), Vec3(s, 0, 0), Vec3(0, s, 0), Vec3(0, 0, 0.3 * s)},
+                             {{0, 1, 2}, {0, 2, 3}}));
+        const auto found = mean_deviation(small, large);
+        ASSERT_TRUE(found) << describe(found.error());
+        const long double area = 0.65L * s * s;
+        EXPECT_LE(std::abs(found->area - area), found->area_error);
+        EXPECT_LE(found->mean.lower, 1);
+        EXPECT_GE(found->mean.upper, 1);
+    }
 }
 
 } // namespace
