@@ -8,6 +8,7 @@
 #include "proxima/mesh_index.h"
 
 #include <cmath>
+#include <exception>
 #include <new>
 #include <optional>
 #include <string>
@@ -74,7 +75,7 @@ PyObject* represent(PyObject* self)
 const double* row_of(PyObject* object)
 {
     const auto& numpy = py::detail::npy_api::get();
-    if (!PyObject_TypeCheck(object, numpy.PyArray_Type_)) return nullptr;
+    if (Py_TYPE(object) != numpy.PyArray_Type_) return nullptr; // nor for one with a mask
     const auto* const array = py::detail::array_proxy(object);
     const auto* const type = py::detail::array_descriptor_proxy(array->descr);
     const bool fits = array->nd == 1 && array->dimensions[0] == 3 && type->type == 'd' &&
@@ -138,6 +139,10 @@ PyObject* find_closest_safely(PyObject* self, PyObject* const* arguments, Py_ssi
         set_error(failure);
     } catch (const std::bad_alloc&) {
         PyErr_NoMemory();
+    } catch (const py::builtin_exception& error) {
+        error.set_error();
+    } catch (const std::exception& error) {
+        PyErr_SetString(PyExc_RuntimeError, error.what());
     }
     return nullptr;
 }

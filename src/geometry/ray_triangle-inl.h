@@ -8,7 +8,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
 #include <optional>
 
 namespace proxima {
@@ -55,11 +54,13 @@ struct Meeting {
 // the largest component of all A, R the largest of all x and y, u = 2^-53. Rounding A, S (twice),
 // their product and the difference leaves x off by at most 7 u M, a weight x_1 y_2 - y_1 x_2 by
 // less than 28 u M R + 98 u^2 M^2 + 4 u R^2 < 2^-47 M (R + 2^-51 M), as R <= 2 M (1 + 7 u). Where
-// that is at least 2^-900, what products lost by underflow is within its slack; infinity compares
-// as unsure.
+// that is at least 2^-900, what products lost by underflow is within its slack. It is at least 2^-48
+// R^2, all but: where it is at most 2^970, no weight exceeds 2^1020 and their sum does not overflow.
+// Infinity compares as unsure.
 inline constexpr double error_factor = 0x1p-47;
 inline constexpr double own_error = 0x1p-51;
 inline constexpr double safe_error = 0x1p-900;
+inline constexpr double greatest_error = 0x1p970;
 // Weights whose sum is at least so many errors are good to 2^-24 of it, and so is t, over the
 // triangle's extent, at worst. Less is for triangles seen all but edge-on, or from far away.
 inline constexpr double sure_sum = 0x1p24;
@@ -112,7 +113,7 @@ intersect(const Ray& ray, const RayShear& shear, const Triangle& triangle, Faces
     const double error = detail::error_factor * size * (reach + detail::own_error * size);
     const double least = std::min(std::min(weights[0], weights[1]), weights[2]);
     const double most = std::max(std::max(weights[0], weights[1]), weights[2]);
-    if (error >= detail::safe_error && error <= std::numeric_limits<double>::max()) {
+    if (error >= detail::safe_error && error <= detail::greatest_error) {
         if (least < -error && most > error) return std::nullopt;
         const double sum = weights[0] + weights[1] + weights[2];
         if ((least > error || most < -error) && std::abs(sum) > detail::sure_sum * error) {

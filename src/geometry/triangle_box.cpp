@@ -140,6 +140,7 @@ private:
     {
         Bounded maximum = {0, underflow};
         Bounded minimum = {0, underflow};
+        double size = 0; // infinite where a value may be
         for (int axis = 0; axis < 3; ++axis) {
             const double lower = to_plane_[0][0][axis];
             const double upper = to_plane_[0][1][axis];
@@ -147,9 +148,11 @@ private:
             const double at_upper = normal_[axis] * upper;
             maximum.value += at_lower < at_upper ? at_upper : at_lower;
             minimum.value += at_lower < at_upper ? at_lower : at_upper;
-            maximum.error += (plane_error * normal_size_[axis] + underflow) *
-                             std::max(std::abs(lower), std::abs(upper));
+            const double farthest = std::max(std::abs(lower), std::abs(upper));
+            size += normal_size_[axis] * farthest;
+            maximum.error += underflow * farthest;
         }
+        maximum.error += plane_error * size;
         minimum.error = maximum.error;
         plane_is_unsure_ = !(maximum.surely_not_negative() && minimum.surely_not_positive());
         return maximum.surely_negative() || minimum.surely_positive();

@@ -106,6 +106,15 @@ private:
             line.size = std::max(line.size, std::abs(line.values[i]));
         }
         line.size += line.error;
+        // By the power of two that brings the size to 1, so that no product of two or three lines
+        // over- or underflows. A size that is not finite leaves all signs unsure.
+        if (!(line.size <= std::numeric_limits<double>::max())) return;
+        int exponent = 0;
+        std::frexp(line.size, &exponent);
+        const double scale = std::ldexp(1.0, -exponent);
+        for (double& value : line.values) value *= scale;
+        line.error *= scale;
+        line.size *= scale;
     }
 
     // Six products of three are off by at most the error of one factor times the sizes of the

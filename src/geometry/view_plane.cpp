@@ -23,9 +23,24 @@ bool fits(const ViewPlane& plane, const Vec3& point) noexcept
     return all;
 }
 
-std::array<double, 4> row(const ViewPlane& plane) noexcept
+using PlaneRow = std::array<double, 4>;
+
+PlaneRow row(const ViewPlane& plane) noexcept
 {
     return {plane.normal.x(), plane.normal.y(), plane.normal.z(), plane.offset};
+}
+
+/// The row times the power of two that brings its largest number to between a half and one (numbers
+/// below 2^-1000 less far), so that in products with other rows nothing overflows, and nothing that
+/// matters underflows.
+PlaneRow scaled(const PlaneRow& numbers) noexcept
+{
+    double largest = 0;
+    for (const double number : numbers) largest = std::max(largest, std::abs(number));
+    int exponent = 0;
+    std::frexp(largest, &exponent);
+    const double scale = std::ldexp(1.0, std::min(-exponent, 1000));
+    return {scale * numbers[0], scale * numbers[1], scale * numbers[2], scale * numbers[3]};
 }
 
 int exact_side(const ViewPlane& plane, const Vec3& point) noexcept
@@ -59,18 +74,6 @@ Number determinant(const Row& a, const Row& b, const Row& c, const Row& d)
     return (s[0] * t[3] - s[1] * t[4] + s[2] * t[5]) + (s[3] * t[0] - s[4] * t[1] + s[5] * t[2]);
 }
 
-/// A bound of the sum of all products that the determinant is made of.
-double determinant_size(const std::array<std::array<double, 4>, 4>& rows) noexcept
-{
-    double size = 24;
-    for (const auto& numbers : rows) {
-        double largest = 0;
-        for (const double number : numbers) largest = std::max(largest, std::abs(number));
-        size *= largest;
-    }
-    return size;
-}
-
 } // namespace
 
 int side_of_plane(const ViewPlane& plane, const Vec3& point) noexcept
@@ -94,11 +97,12 @@ int side_of_plane(const ViewPlane& plane, const PlaneMeeting& point) noexcept
     const auto from_zero = [](const Vec3& to) { return Displacement{Vec3::Zero(), to}; };
     const int weight = determinant_sign(from_zero(point[0].normal), from_zero(point[1].normal),
                                         from_zero(point[2].normal));
-    const std::array<std::array<double, 4>, 4> rows = {row(point[0]), row(point[1]), row(point[2]),
-                                                       row(plane)};
-    // A product of four has at most 3 + 3 + 3 roundings: the bound is far above them.
-    const auto value = determinant<double>(rows[0], rows[1], rows[2], rows[3]);
-    const double error = 0x1p-48 * determinant_size(rows) + plane_underflow;
+    const std::array<PlaneRow, 4> rows = {row(point[0]), row(point[1]), row(point[2]), row(plane)};
+    // Each of 24 products of four is at most 1 and has at most 3 + 3 + 3 roundings: the bound is far
+    // above them, and above what underflows.
+    const auto value =
+        determinant<double>(scaled(rows[0]), scaled(rows[1]), scaled(rows[2]), scaled(rows[3]));
+    constexpr double error = 24 * 0x1p-48;
     if (value > error) return weight;
     if (value < -error) return -weight;
     const auto exact =

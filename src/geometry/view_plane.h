@@ -10,7 +10,7 @@ namespace proxima {
 [[nodiscard]] int side_of_plane(const ViewPlane& plane, const Vec3& point) noexcept;
 
 /// Sign of plane.normal . x + plane.offset at the point x where three planes meet. Exact.
-/// \pre all finite, the normals of the three are linearly independent. Cost: about 50 ns, some
+/// \pre all finite, the normals of the three are linearly independent. Cost: about 0.1 us, some
 /// microseconds where the filter fails. Thread safe, no allocation.
 [[nodiscard]] int side_of_plane(const ViewPlane& plane, const PlaneMeeting& point) noexcept;
 

@@ -135,7 +135,8 @@ TEST(RayTriangle, AgreesWithExactIntegersOnSmallGrids)
     for (const auto& [scale, rays] :
          {Grid{Vec3::Constant(1), many}, Grid{Vec3::Constant(0x1p-20), many},
           Grid{Vec3::Constant(0x1p20), many}, Grid{Vec3::Constant(0x1p-400), many},
-          Grid{Vec3::Constant(0x1p300), many}, Grid{Vec3(0x1p-1074, 1, 1), few},
+          Grid{Vec3::Constant(0x1p300), many}, Grid{Vec3::Constant(0x1p509), few},
+          Grid{Vec3::Constant(0x1p511), few}, Grid{Vec3(0x1p-1074, 1, 1), few},
           Grid{Vec3(1, 0x1p-1000, 0x1p300), few}, Grid{Vec3(0x1p-350, 0x1p-30, 0x1p-1060), few}}) {
         constexpr std::uint64_t seed = 3;
         SCOPED_TRACE(::testing::Message() << "seed " << seed << " scale " << scale.transpose());

@@ -138,6 +138,40 @@ TEST(ViewContact, CountsTouching)
     EXPECT_FALSE(meets_volume(wedge, box(below_zero)));
 }
 
+TEST(ViewContact, DoesNotDependOnTheSizesOfPlanes)
+{
+    constexpr std::uint64_t seed = 8;
+    SCOPED_TRACE(::testing::Message() << "seed " << seed);
+    std::mt19937_64 random(seed);
+    std::uniform_real_distribution<double> number(-1, 1);
+    const Triangle triangle{{Vec3::UnitX(), Vec3::UnitY(), Vec3::UnitZ()}};
+    using Shifts = std::array<int, 3>;
+    int meets = 0;
+    int apart = 0;
+    for (int trial = 0; trial < 20000; ++trial) {
+        // Through zero, all but contradictory.
+        std::array<ViewPlane, 3> planes;
+        for (std::size_t i = 0; i < 2; ++i)
+            for (double& component : planes[i].normal) component = number(random);
+        const double gap = std::pow(10.0, 3 * number(random) - 4);
+        planes[2].normal =
+            -planes[0].normal - planes[1].normal + Vec3::Constant(trial % 2 == 0 ? gap : -gap);
+        const bool truth = meets_volume(make_view_volume(planes).value(), triangle);
+        ++(truth ? meets : apart);
+        // Products of two over- or underflow, those of three do not.
+        for (const Shifts& shifts :
+             {Shifts{-535, -535, 500}, Shifts{512, 512, -10}, Shifts{512, 512, 0}}) {
+            std::array<ViewPlane, 3> same;
+            for (std::size_t i = 0; i < 3; ++i)
+                same[i].normal = std::ldexp(1.0, shifts[i]) * planes[i].normal;
+            ASSERT_EQ(meets_volume(make_view_volume(same).value(), triangle), truth)
+                << "trial " << trial << ", " << ::testing::PrintToString(shifts);
+        }
+    }
+    EXPECT_GT(meets, 1000);
+    EXPECT_GT(apart, 1000);
+}
+
 TEST(ViewContact, AcceptsTheGreatestNumberOfPlanes)
 {
     // A ball of 1,024 planes.

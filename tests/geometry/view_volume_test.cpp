@@ -86,17 +86,20 @@ TEST(ViewPlane, ClassifiesMeetingPointsOfPlanes)
         const double value = planes[3].normal.dot(point) + planes[3].offset;
         const int truth = sign(static_cast<__int128>(value));
         ++seen[static_cast<std::size_t>(truth + 1)];
-        for (const int shift : {0, -900, 900}) {
-            for (ViewPlane& plane : planes) {
-                plane.normal *= std::ldexp(1.0, shift);
-                plane.offset *= std::ldexp(1.0, shift);
+        // By numbers of other sizes, so that products of those of two planes over- or underflow.
+        using Shifts = std::array<int, 4>;
+        for (const Shifts& shifts :
+             {Shifts{0, 0, 0, 0}, Shifts{-900, -900, -900, -900}, Shifts{900, 900, 900, 900},
+              Shifts{-538, -538, 500, 500}, Shifts{500, 500, -538, -538},
+              Shifts{-538, 500, -538, 500}, Shifts{-40, -40, 510, 510}, Shifts{0, 600, 600, -900},
+              Shifts{-1074, -1074, 1000, 1000}}) {
+            std::array<ViewPlane, 4> same;
+            for (std::size_t i = 0; i < 4; ++i) {
+                const double scale = std::ldexp(1.0, shifts[i]);
+                same[i] = {scale * planes[i].normal, scale * planes[i].offset};
             }
-            ASSERT_EQ(side_of_plane(planes[3], PlaneMeeting{planes[0], planes[1], planes[2]}),
-                      truth);
-            for (ViewPlane& plane : planes) {
-                plane.normal *= std::ldexp(1.0, -shift);
-                plane.offset *= std::ldexp(1.0, -shift);
-            }
+            ASSERT_EQ(side_of_plane(same[3], PlaneMeeting{same[0], same[1], same[2]}), truth)
+                << ::testing::PrintToString(shifts);
         }
     }
     for (const int count : seen) EXPECT_GT(count, 100);

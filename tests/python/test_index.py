@@ -124,6 +124,7 @@ def test_one_point(index, points):
 @pytest.mark.parametrize("arguments, error", [
     ((), TypeError), ((1, 2), TypeError), (("a", 2, 3), TypeError), ((np.zeros(4),), ValueError),
     ((float("nan"), 0, 0), proxima.InvalidInput), ((np.array([0, 0, np.inf]),), proxima.InvalidInput),
+    ((np.ma.array([0.0, 0, 5], mask=[0, 0, 1]),), proxima.InvalidInput),
 ])
 def test_one_point_is_checked(index, arguments, error):
     with pytest.raises(error):
@@ -342,6 +343,8 @@ def test_an_index_of_several_bound_classes(mesh):
 
     both = Both()
     assert both.closest_one(3, 0, 0).distance == both.closest([[3, 0, 0]]).distance[0]
+    with pytest.raises(TypeError, match="made by __new__ alone"):
+        Both.__new__(Both).closest_one(3, 0, 0)
 
 
 def test_files_and_pickles(tmp_path, mesh, points):

@@ -180,7 +180,8 @@ PROXIMA_C_API proxima_status proxima_closest_feature(const proxima_index* index,
                                                      const double point[3], double radius,
                                                      proxima_closest* closest);
 /* The same for many points. Each of the three arrays may be NULL or has an element for every point; squared
- * distances and triangles alone are quicker and need no memory. PROXIMA_INVALID_ARGUMENT names the first point that is not finite. */
+ * distances and triangles alone are quicker. Takes memory for copies of the arrays that are given.
+ * PROXIMA_INVALID_ARGUMENT names the first point that is not finite. */
 PROXIMA_C_API proxima_status proxima_closest_features(const proxima_index* index,
                                                       const double* points, size_t count,
                                                       const proxima_execution* execution,

@@ -21,7 +21,6 @@
 #include <cstddef>
 #include <cstdint>
 #include <hwy/highway.h>
-#include <limits>
 
 HWY_BEFORE_NAMESPACE();
 namespace proxima::HWY_NAMESPACE {
@@ -71,7 +70,7 @@ HWY_INLINE QuickAnswer intersect_quickly(const CornersOn& corners_on, const Sear
     const auto errors = hn::Mul(hn::Mul(hn::Set(d, detail::error_factor), size),
                                 hn::Add(reach, hn::Mul(hn::Set(d, detail::own_error), size)));
     const double error = hn::GetLane(errors);
-    if (!(error >= detail::safe_error && error <= std::numeric_limits<double>::max()))
+    if (!(error >= detail::safe_error && error <= detail::greatest_error))
         return QuickAnswer::unsure;
     const auto above = hn::Gt(weights, errors);
     const auto below = hn::Lt(weights, hn::Neg(errors));

@@ -19,7 +19,6 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
-#include <limits>
 #include <optional>
 
 HWY_BEFORE_NAMESPACE();
@@ -142,7 +141,7 @@ private:
         const auto most_weight = hn::Max(hn::Max(weights[0], weights[1]), weights[2]);
         auto sure = hn::And(
             hn::And(hn::Ge(error, hn::Set(d, detail::safe_error)),
-                    hn::Le(error, hn::Set(d, std::numeric_limits<double>::max()))),
+                    hn::Le(error, hn::Set(d, detail::greatest_error))),
             hn::And(hn::Or(hn::Gt(least_weight, error), hn::Lt(most_weight, hn::Neg(error))),
                     hn::Gt(hn::Abs(sum), hn::Mul(hn::Set(d, detail::sure_sum), error))));
         if (source_.faces != Faces::both) {

@@ -146,6 +146,33 @@ TEST(CastRay, HitsTheSameAtAnyScaleAndPosition)
     expect_truth(huge, ray_index_of(huge), rays_for(huge, 1000, 6));
 }
 
+TEST(CastRay, MeetsTrianglesWhoseAreasOverflow)
+{
+    // Each weight of a corner is a double, their sum is beyond doubles.
+    for (const double scale : {0x1p511, 9e153}) {
+        const std::vector<Vec3> corners = {scale * Vec3(-1, -1, 0.5), scale * Vec3(1, -1, 0.25),
+                                           scale * Vec3(0, 1, 0.875)};
+        const MeshIndex index = ray_index_of(mesh_of(corners, {{0, 1, 2}}));
+        EXPECT_EQ(index.parts().has_exact_leaves(), scale == 0x1p511);
+        const Ray ray{Vec3(0, 0, -scale), Vec3(0, 0, scale)};
+        const std::vector<Ray> rays(64, ray);
+        for (const SimdTarget& target : simd_targets()) {
+            SCOPED_TRACE(::testing::Message() << target.name << ", scale " << scale);
+            force_simd_target(target);
+            std::vector<std::optional<RayHit>> hits(rays.size());
+            EXPECT_TRUE(closest_hits(index, rays, hits));
+            hits.push_back(closest_hit(index, ray));
+            restore_simd_targets();
+            for (const auto& hit : hits) {
+                ASSERT_TRUE(hit);
+                ASSERT_NEAR(hit->t, 1.625, 1e-15);
+                ASSERT_NEAR(hit->u, 0.25, 1e-15);
+                ASSERT_NEAR(hit->v, 0.5, 1e-15);
+            }
+        }
+    }
+}
+
 TEST(CastRay, LosesNoRayAimedAtEdgesAndVerticesOfClosedMeshes)
 {
     std::mt19937_64 random(9);
