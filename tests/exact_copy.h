@@ -8,14 +8,15 @@
 
 namespace proxima::testing {
 
-/// Aligned to 64 bytes, as mapped files are.
+/// Aligned to 128 bytes, as files that are read are.
 inline std::shared_ptr<std::byte> exact_copy(const void* bytes, std::size_t size)
 {
+    constexpr std::align_val_t alignment{128};
     struct Free {
-        void operator()(std::byte* p) const { ::operator delete[](p, std::align_val_t{64}); }
+        void operator()(std::byte* p) const { ::operator delete[](p, alignment); }
     };
-    std::shared_ptr<std::byte> copy(
-        static_cast<std::byte*>(::operator new[](size, std::align_val_t{64})), Free{});
+    std::shared_ptr<std::byte> copy(static_cast<std::byte*>(::operator new[](size, alignment)),
+                                    Free{});
     if (size > 0) std::memcpy(copy.get(), bytes, size);
     return copy;
 }

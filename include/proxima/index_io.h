@@ -22,7 +22,7 @@
 namespace PROXIMA_EXPORT proxima {
 
 /// Writes the index whole or not at all. The same index gives the same bytes. Errors:
-/// invalid_argument (refitted lists: build them again), file_not_writable, cancelled. O(bytes).
+/// invalid_argument (no triangles; refitted lists: build them again), file_not_writable, cancelled. O(bytes).
 [[nodiscard]] Status save_index(const MeshIndex& index, const std::filesystem::path& path,
                                 const SaveOptions& options = {});
 
@@ -36,7 +36,8 @@ namespace PROXIMA_EXPORT proxima {
 [[nodiscard]] Result<MeshIndex> load_index(const std::filesystem::path& path,
                                            const LoadOptions& options = {});
 
-/// Loads an index from a file's bytes in memory, aligned to 64, which `storage` keeps alive.
+/// Loads an index from a file's bytes in memory, aligned to 128, which `storage` keeps alive. One error
+/// more: invalid_argument (bytes that are not aligned).
 [[nodiscard]] Result<MeshIndex> load_index(std::span<const std::byte> bytes,
                                            std::shared_ptr<const void> storage,
                                            const std::string& name,

@@ -14,7 +14,7 @@
 //
 //     nodes       8 bytes each, only for split cells and occupied leaves (uniform trees: all cells)
 //       split     { first child record, recorded-children mask 8 | inner-children mask 8 | empty bit }
-//       leaf      { first reference, leaf bit 31 | count 30 }
+//       leaf      { first reference, leaf bit 31 | count 31 }
 //     references  triangle ids, ascending within a leaf, a leaf's contiguous
 //
 // An empty child has no record, only a clear bit of the recorded mask; its class is its bit of the
@@ -128,7 +128,6 @@ struct OctreeNode {
 
     static constexpr std::uint32_t leaf_bit = 1U << 31U;
     static constexpr std::uint32_t empty_split_bit = 1U << 30U; ///< split, yet no triangle below
-    static constexpr std::uint32_t max_leaf_count = (1U << 30U) - 1;
 
     [[nodiscard]] static constexpr OctreeNode leaf(std::uint32_t first_reference,
                                                    std::uint32_t count) noexcept

@@ -39,7 +39,8 @@ struct SaveOptions {
     Execution execution = {}; ///< stages "checksums" and "writing", steps are bytes
 };
 
-/// Equal octrees give equal bytes. Errors: file_not_writable, cancelled. O(bytes).
+/// Equal octrees give equal bytes. Errors: invalid_argument (no nodes), file_not_writable, cancelled.
+/// O(bytes).
 [[nodiscard]] Status save_octree(const Octree& octree, const std::filesystem::path& path,
                                  const SaveOptions& options = {});
 
@@ -51,7 +52,8 @@ struct SaveOptions {
 [[nodiscard]] Result<Octree> load_octree(const std::filesystem::path& path,
                                          const LoadOptions& options = {});
 
-/// Loads an octree from a file's bytes in memory, aligned to 64, which `storage` keeps alive.
+/// Loads an octree from a file's bytes in memory, aligned to 128, which `storage` keeps alive. One error
+/// more: invalid_argument (bytes that are not aligned).
 [[nodiscard]] Result<Octree> load_octree(std::span<const std::byte> bytes,
                                          std::shared_ptr<const void> storage,
                                          const std::string& name, const LoadOptions& options = {});

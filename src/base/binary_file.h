@@ -115,8 +115,8 @@ public:
                                                  const FileFormat& format,
                                                  const BinaryFileOptions& options);
 
-    /// The same for a file already in memory, which `storage` keeps alive and which is aligned to
-    /// section_alignment. `name` stands for the path in messages.
+    /// The same for a file already in memory, which `storage` keeps alive. `name` stands for the path in
+    /// messages. One error more: invalid_argument where it is not aligned to section_alignment.
     [[nodiscard]] static Result<BinaryFile> read(std::span<const std::byte> bytes,
                                                  std::shared_ptr<const void> storage,
                                                  const std::string& name, const FileFormat& format,

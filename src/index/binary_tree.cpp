@@ -57,7 +57,8 @@ std::uint64_t cell_position(const Vec3& point, const OctreeFrame& root) noexcept
     for (std::size_t axis = 0; axis < 3; ++axis) {
         const auto k = static_cast<Eigen::Index>(axis);
         const double cell = (point[k] - root.lower[k]) / root.edge[k] * cells;
-        at[axis] = static_cast<std::uint32_t>(std::clamp(cell, 0.0, cells - 1));
+        // Not a number where the root's edge is infinite.
+        at[axis] = static_cast<std::uint32_t>(cell > 0 ? std::min(cell, cells - 1) : 0.0);
     }
     return morton_code(at);
 }

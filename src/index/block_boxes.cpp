@@ -94,6 +94,14 @@ std::array<double, 8> write_boxes(IndexNode& node, const FloatBox& box,
     return extents;
 }
 
+double root_extent(const FloatBox& box) noexcept
+{
+    double extent = 2.1;
+    for (std::size_t axis = 0; axis < 3; ++axis)
+        extent = std::max(extent, double{box.upper[axis]} - double{box.lower[axis]});
+    return extent;
+}
+
 void write_extent(IndexLeaf& leaf, double extent) noexcept
 {
     leaf.extent_bits = upper_half(extent + 4 * own_margin);

@@ -15,8 +15,9 @@ namespace proxima {
 std::array<double, 8> write_boxes(IndexNode& node, const FloatBox& box,
                                   const std::array<const FloatBox*, 8>& children) noexcept;
 
-/// The edge of the box that a root is met by: rays come from the box [-1.01, 1.01].
-inline constexpr double root_extent = 2.1;
+/// The edge of the box that a root is met by: rays come from the box [-1.01, 1.01], and `box` is larger
+/// where the mesh does not fit the frame.
+[[nodiscard]] double root_extent(const FloatBox& box) noexcept;
 
 /// Sets a leaf's extent from the edge of its box.
 void write_extent(IndexLeaf& leaf, double extent) noexcept;

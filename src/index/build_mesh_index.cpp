@@ -266,7 +266,8 @@ public:
         blocks[empty_leaf].leaf = {};
         std::vector<PendingBlock> parts; // with the positions that the top gives them
         BlockWriter top(mesh_, tree_, blocks, 2);
-        top.write({tree_.root(), 1, root_extent}, [&](const PendingBlock& at) {
+        const double extent = root_extent(tree_.box(tree_.root()));
+        top.write({tree_.root(), 1, extent}, [&](const PendingBlock& at) {
             if (is_part(at.child)) parts.push_back(at);
             return is_part(at.child);
         });

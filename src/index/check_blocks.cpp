@@ -2,6 +2,7 @@
 
 #include "base/progress.h"
 #include "base/text.h"
+#include "index/binary_tree.h"
 #include "index/index_parts.h"
 
 #include <algorithm>
@@ -114,14 +115,16 @@ private:
     }
 
     /// Corners and coordinates, which lanes read beyond the last triangle as well.
-    static const char* check_lanes(const IndexLeaf& leaf)
+    [[nodiscard]] const char* check_lanes(const IndexLeaf& leaf) const
     {
+        // The largest double in units of the least scale.
+        const float most = index_.scale() <= least_index_scale ? 0x1p24F : 1.0F;
         for (const auto& corners : leaf.corners) {
             if (*std::ranges::max_element(corners) >= 8) return "no such corner";
         }
         for (const auto& line : leaf.coordinates) {
             for (const float number : line)
-                if (!(std::abs(number) <= 1)) return "a vertex outside of the frame";
+                if (!(std::abs(number) <= most)) return "a vertex outside of the frame";
         }
         return no_fault;
     }

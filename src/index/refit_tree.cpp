@@ -48,7 +48,8 @@ public:
                             for (std::size_t i = first; i < end; ++i) refit_leaf(leaves[i]);
                         });
         if (is_cancelled(progress)) return false;
-        if (is_leaf_reference(root)) write_extent(blocks_[leaves[0]].leaf, root_extent);
+        if (is_leaf_reference(root))
+            write_extent(blocks_[leaves[0]].leaf, root_extent(boxes_[leaves[0]]));
         // Children before their parents.
         for (std::size_t i = nodes.size(); i-- > 0;) refit_node(nodes[i]);
         return true;

@@ -115,10 +115,12 @@ Result<OctreeOutput> build_fast(const TriangleMesh& mesh, const OctreeFrame& fra
     if (is_cancelled(options.execution.progress)) return cancelled("building the octree");
     const int bin_depth = choose_bin_depth(snapped, options.max_depth);
     const auto binned =
-        bin_triangles(snapped, bin_depth, options.execution.threads, options.execution.progress);
+        bin_triangles_within(limits.budget_bytes - limits.used_bytes, snapped, bin_depth,
+                             options.execution.threads, options.execution.progress);
     if (!binned) return tl::unexpected(binned.error());
     const CoarseBins& bins = *binned;
     if (is_cancelled(options.execution.progress)) return cancelled("building the octree");
+    limits.used_bytes += sizeof(std::uint32_t) * (bins.ids.size() - mesh.triangle_count());
 
     OctreeOutput output;
     const std::vector<SubtreeSlot> slots = build_top_tree(bins, options.threshold, output);

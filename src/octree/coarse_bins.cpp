@@ -60,10 +60,12 @@ std::uint32_t morton(std::uint32_t x, std::uint32_t y, std::uint32_t z) noexcept
 /// Bins a contiguous range of triangles.
 class RangeBinner {
 public:
+    /// `wide_pairs` counts those of all ranges.
     RangeBinner(const SnappedMesh& mesh, int depth, std::uint32_t begin, std::uint32_t end,
-                std::uint64_t most_pairs, Progress* progress)
-        : mesh_(mesh), depth_(depth), begin_(begin), end_(end), most_pairs_(most_pairs),
-          progress_(progress)
+                std::atomic<std::uint64_t>& wide_pairs, std::uint64_t most_wide_pairs,
+                Progress* progress)
+        : mesh_(mesh), depth_(depth), begin_(begin), end_(end), all_wide_pairs_(wide_pairs),
+          most_wide_pairs_(most_wide_pairs), progress_(progress)
     {}
 
     /// Finds which cells every triangle of the range touches. False where wide triangles have more
@@ -195,7 +197,8 @@ private:
             for (std::size_t i = 0; i < count; ++i) {
                 child_count += static_cast<std::size_t>(std::popcount(masks[i]));
             }
-            if (child_count > most_pairs_) return false;
+            const std::uint64_t added = child_count - (depth == 1 ? 0 : count);
+            if ((all_wide_pairs_ += added) > most_wide_pairs_) return false;
             if (is_cancelled(progress_)) return true;
             next.resize(child_count);
             std::size_t out = 0;
@@ -231,7 +234,8 @@ private:
     int depth_;
     std::uint32_t begin_;
     std::uint32_t end_;
-    std::uint64_t most_pairs_;
+    std::atomic<std::uint64_t>& all_wide_pairs_;
+    std::uint64_t most_wide_pairs_;
     Progress* progress_;
     Coverage* coverages_ = nullptr;
     LocalTriangles blocks_;
@@ -323,7 +327,8 @@ CoverageSum sum_coverage(const SnappedMesh& mesh)
 }
 
 Result<CoarseBins> bin_triangles(const SnappedMesh& mesh, int depth, Threads threads,
-                                 Progress* progress, std::uint64_t most_pairs)
+                                 Progress* progress, std::uint64_t most_pairs,
+                                 std::uint64_t most_wide_pairs)
 {
     const auto count = static_cast<std::uint32_t>(mesh.mesh().triangle_count());
     CoarseBins bins;
@@ -343,11 +348,13 @@ Result<CoarseBins> bin_triangles(const SnappedMesh& mesh, int depth, Threads thr
             : std::min<std::size_t>(static_cast<std::size_t>(thread_count(threads)) * 2,
                                     1 + count / 4096);
     std::vector<RangeBinner> binners;
+    std::atomic<std::uint64_t> wide_pairs{0};
     for (std::size_t range = 0; range < ranges; ++range) {
         const auto bound = [&](std::size_t index) {
             return static_cast<std::uint32_t>(std::uint64_t{count} * index / ranges);
         };
-        binners.emplace_back(mesh, depth, bound(range), bound(range + 1), most_pairs, progress);
+        binners.emplace_back(mesh, depth, bound(range), bound(range + 1), wide_pairs,
+                             std::min(most_pairs, most_wide_pairs), progress);
     }
     GrowBuffer<Coverage> coverages;
     coverages.resize(count);
@@ -387,6 +394,24 @@ Result<CoarseBins> bin_triangles(const SnappedMesh& mesh, int depth, Threads thr
         advance_stage(progress, count / ranges);
     });
     return bins;
+}
+
+Result<CoarseBins> bin_triangles_within(std::uint64_t most_bytes, const SnappedMesh& mesh,
+                                        int depth, Threads threads, Progress* progress)
+{
+    // Wide pairs are found in two levels of triangle and centre and a mask, and kept; then come ids.
+    constexpr std::uint64_t finding = 2 * 4 * sizeof(std::uint32_t) + sizeof(std::uint32_t);
+    const std::uint64_t most_wide_pairs = most_bytes / (finding + sizeof(WidePair));
+    const std::uint64_t kept = most_wide_pairs * sizeof(WidePair);
+    const std::uint64_t count = mesh.mesh().triangle_count();
+    const std::uint64_t most_pairs =
+        std::min<std::uint64_t>(count + (most_bytes - kept) / sizeof(std::uint32_t),
+                                std::numeric_limits<std::uint32_t>::max());
+    for (;; --depth) {
+        auto bins = bin_triangles(mesh, depth, threads, progress, most_pairs, most_wide_pairs);
+        if (bins || depth == 0) return bins;
+        begin_stage(progress, "snapping", 2 * count);
+    }
 }
 
 } // namespace proxima

@@ -64,9 +64,17 @@ struct CoverageSum {
 
 /// Bins all triangles; the result does not depend on the threads. Not to be used once `progress` is
 /// cancelled; two steps per triangle. Errors: limit_exceeded where there are more pairs of a triangle
-/// and a cell. \pre 0 <= depth <= max_bin_depth, most_pairs < 2^32
+/// and a cell than that, or more of triangles over more than two cells on an axis.
+/// \pre 0 <= depth <= max_bin_depth, most_pairs < 2^32
 [[nodiscard]] Result<CoarseBins>
 bin_triangles(const SnappedMesh& mesh, int depth, Threads threads, Progress* progress,
-              std::uint64_t most_pairs = std::numeric_limits<std::uint32_t>::max());
+              std::uint64_t most_pairs = std::numeric_limits<std::uint32_t>::max(),
+              std::uint64_t most_wide_pairs = std::numeric_limits<std::uint32_t>::max());
+
+/// The same at that depth or, where bins and scratch take more than `most_bytes` besides an id and a
+/// coverage per triangle, at the next one above that fits; depth 0 always does. \pre see there
+[[nodiscard]] Result<CoarseBins> bin_triangles_within(std::uint64_t most_bytes,
+                                                      const SnappedMesh& mesh, int depth,
+                                                      Threads threads, Progress* progress);
 
 } // namespace proxima

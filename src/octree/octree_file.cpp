@@ -112,6 +112,10 @@ Result<Octree> load_unchecked_octree(const std::filesystem::path& path, const Lo
 Status save_octree(const Octree& octree, const std::filesystem::path& path,
                    const SaveOptions& options)
 {
+    if (octree.nodes().empty()) {
+        return fail(ErrorCode::invalid_argument,
+                    "the octree is empty: build it from a mesh to save it", path.string());
+    }
     const OctreeFileHeader header =
         octree_file_header(octree.frame(), octree.parameters(), octree.triangle_count());
     const std::array<BinarySection, 3> sections = {

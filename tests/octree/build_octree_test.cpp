@@ -296,6 +296,41 @@ TEST(BuildOctree, RefusesInvalidMeshesAndOptions)
               std::string::npos);
 }
 
+TEST(BuildOctree, IsTheSameWithinAnyBudgetThatIsEnough)
+{
+    constexpr unsigned seed = 1;
+    std::mt19937 random(seed);
+    std::uniform_real_distribution<double> unit(0, 1);
+    const auto point = [&] { return Vec3(unit(random), unit(random), unit(random)); };
+    std::vector<Vec3> positions;
+    std::vector<TriangleCorners> triangles;
+    for (std::uint32_t i = 0; i < 20'000; ++i) {
+        const Vec3 at = 0.99 * point();
+        const double size = i % 12 == 5 ? 1 : 0.01; // some as large as the root
+        for (int k = 0; k < 3; ++k) positions.emplace_back((1 - size) * at + size * point());
+        triangles.push_back({3 * i, 3 * i + 1, 3 * i + 2});
+    }
+    const auto mesh = make_triangle_mesh(std::move(positions), std::move(triangles));
+    OctreeOptions options{
+        .max_depth = 3, .threshold = 2000, .classification = Classification::none};
+    for (const int threads : {1, 3}) {
+        options.execution = {.threads = {threads}};
+        const Octree whole = build_octree(*mesh, options).value();
+        int built = 0;
+        for (std::uint64_t budget = 64'000'000;; budget -= budget / 8) {
+            options.execution.budget = {budget};
+            const auto octree = build_octree(*mesh, options);
+            if (!octree) {
+                EXPECT_EQ(octree.error().code, ErrorCode::budget_exceeded);
+                break;
+            }
+            EXPECT_TRUE(same_arrays(*octree, whole)) << budget;
+            ++built;
+        }
+        EXPECT_GT(built, 10);
+    }
+}
+
 TEST(BuildOctree, RefusesWhatTheReportSays)
 {
     for (const double reach : {1e-308, 1e-101, 1.0, 9.99e99, 1.01e100, 1e300}) {

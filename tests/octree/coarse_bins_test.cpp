@@ -3,6 +3,7 @@
 #include "geometry/triangle_box.h"
 #include "octree/small_meshes.h"
 
+#include <algorithm>
 #include <gtest/gtest.h>
 #include <random>
 
@@ -106,6 +107,35 @@ TEST(CoarseBins, RefuseMorePairsThanMayBe)
                 EXPECT_EQ(refused.error().code, ErrorCode::limit_exceeded);
             }
         }
+    }
+}
+
+TEST(CoarseBins, AreCoarserWhereTheyWouldTakeMoreMemory)
+{
+    constexpr unsigned seed = 4;
+    std::mt19937 random(seed);
+    const TriangleMesh mesh = random_triangles(random, 5000, 1.0);
+    const SnappedMesh snapped(mesh, frame, Threads{1}, nullptr);
+    constexpr int depth = 5;
+    for (const Threads threads : {Threads{1}, Threads{3}}) {
+        int last = depth;
+        for (std::uint64_t room = std::uint64_t{1} << 28U; room != 0; room /= 4) {
+            const CoarseBins found =
+                bin_triangles_within(room, snapped, depth, threads, nullptr).value();
+            EXPECT_LE(found.depth, last);
+            last = found.depth;
+            const CoarseBins bins = bin_triangles(snapped, last, threads, nullptr).value();
+            EXPECT_EQ(found.first, bins.first);
+            EXPECT_TRUE(std::ranges::equal(found.ids, bins.ids));
+            EXPECT_LE(4 * (found.ids.size() - mesh.triangle_count()), room);
+            // A triangle over few cells has eight of them at most; each other pair takes more scratch.
+            const std::size_t few = std::min(found.ids.size(), 8 * mesh.triangle_count());
+            EXPECT_LE(40 * (found.ids.size() - few), room);
+            if (room == std::uint64_t{1} << 28U) {
+                EXPECT_EQ(last, depth);
+            }
+        }
+        EXPECT_EQ(last, 0);
     }
 }
 

@@ -90,6 +90,30 @@ TEST_F(OctreeFile, SurvivesSavingAndLoading)
     }
 }
 
+TEST_F(OctreeFile, IsNotWrittenOfNoMesh)
+{
+    const Status status = save_octree(Octree{}, path);
+    ASSERT_FALSE(status);
+    EXPECT_EQ(status.error().code, ErrorCode::invalid_argument);
+    EXPECT_FALSE(std::filesystem::exists(path));
+}
+
+TEST_F(OctreeFile, RefusesBytesThatAreNotAligned)
+{
+    const std::string bytes = saved(small);
+    alignas(128) static std::array<std::byte, std::size_t{1} << 16U> memory;
+    ASSERT_LE(bytes.size() + 128, memory.size());
+    for (const std::size_t offset : {0U, 1U, 64U, 128U}) {
+        const auto content = std::span(memory).subspan(offset, bytes.size());
+        std::ranges::copy(std::as_bytes(std::span(bytes)), content.begin());
+        const auto loaded = load_octree(content, nullptr, "memory");
+        ASSERT_EQ(loaded.has_value(), offset % 128 == 0) << offset;
+        if (loaded) continue;
+        EXPECT_EQ(loaded.error().code, ErrorCode::invalid_argument);
+        EXPECT_NE(loaded.error().message.find("128"), std::string::npos) << loaded.error().message;
+    }
+}
+
 TEST_F(OctreeFile, RefusesEveryFlippedBit)
 {
     testing::refuses_every_flipped_bit(saved(small), load_bytes);

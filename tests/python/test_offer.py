@@ -316,7 +316,7 @@ LEFT_OUT = {
     "octree.h": {
         "cell_coordinates cell_key child octant parent tight_root OctreeFrame.edge OctreeFrame.lower OctreeFrame.plane": NAMES,
         "OctreeNode.count OctreeNode.empty_split_bit OctreeNode.first OctreeNode.inner_mask OctreeNode.is_empty "
-        "OctreeNode.is_leaf OctreeNode.leaf OctreeNode.leaf_bit OctreeNode.max_leaf_count OctreeNode.packed "
+        "OctreeNode.is_leaf OctreeNode.leaf OctreeNode.leaf_bit OctreeNode.packed "
         "OctreeNode.recorded_mask OctreeNode.split Cell.no_node Cell.node Octree.adopt Octree.child Octree.frame Octree.is_leaf "
         "Octree.nodes Octree.parameters Octree.references Octree.root Octree.triangle_count": STRUCTURE,
         "ClassificationSummary.components ClassificationSummary.leaked_components ClassificationSummary.leaked_leaves "

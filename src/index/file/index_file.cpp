@@ -254,6 +254,10 @@ Status save_index(const MeshIndex& index, const std::filesystem::path& path,
                   const SaveOptions& options)
 {
     const IndexParts& parts = index.parts();
+    if (parts.triangle_count() == 0) {
+        return fail(ErrorCode::invalid_argument,
+                    "the index is empty: build it from a mesh to save it", path.string());
+    }
     const ProximityLists* const lists = parts.lists();
     if (lists != nullptr && lists->statistics().stale_leaves != 0) {
         return fail(ErrorCode::invalid_argument,

@@ -211,7 +211,7 @@ private:
             }
             auto octree = emit_lists(forest, {positions_, corners_}, emit_options());
             if (!octree || forest.top.cells[0].ended != 0) return octree;
-            const double used = static_cast<double>(octree->bytes()) / bytes;
+            const double used = octree->part_of(bytes);
             if (used <= 1 && (!best || octree->bytes() > best->bytes())) best = std::move(octree);
             if (best && (used > 0.9 || price_ <= sample_price_ || tries >= 2)) return best;
             if (used > 1) low = price_;

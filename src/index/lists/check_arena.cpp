@@ -90,7 +90,8 @@ Status ArenaChecker::walk_headers(const CheckWork& work)
     if (arena_.size() < block_padding) return bad("the arena has no padding", 0);
     const std::size_t limit = arena_.size() - block_padding;
     StageSteps steps = work.steps();
-    for (std::size_t at = 0;; at = aligned(at)) {
+    // Without a block where no leaf has a list.
+    for (std::size_t at = 0; limit != 0; at = aligned(at)) {
         if (limit - at < sizeof(BlockHeader)) return bad("a block is damaged", at);
         const auto header = value_at<BlockHeader>(arena_, at);
         if (!is_representable(header)) return bad("a block is damaged", at);

@@ -236,7 +236,7 @@ std::size_t drop_dominated(const LocalFeatures& features, std::uint32_t* list, s
 {
     const CellCorners corners = corners_of(cell);
     Eight best = eight(infinite);
-    Eight entry = eight(0);
+    Eight entry = eight(0); // bits of positions in the list: floats cannot count that far
     float best_at_center = infinite;
     std::uint32_t entry_at_center = 0;
     for (std::size_t k = 0; k < count; ++k) {
@@ -260,7 +260,8 @@ std::size_t drop_dominated(const LocalFeatures& features, std::uint32_t* list, s
             break;
         }
         }
-        entry = choose(squared, best, eight(static_cast<float>(k)), entry);
+        entry = choose(squared, best, eight(std::bit_cast<float>(static_cast<std::uint32_t>(k))),
+                       entry);
         best = minimum(best, squared);
         if (seen.squared < best_at_center) {
             best_at_center = seen.squared;
@@ -275,7 +276,7 @@ std::size_t drop_dominated(const LocalFeatures& features, std::uint32_t* list, s
     closest.add(entry_at_center);
     float entries[8];
     store_eight(entry, entries);
-    for (const float one : entries) closest.add(static_cast<std::uint32_t>(one));
+    for (const float one : entries) closest.add(std::bit_cast<std::uint32_t>(one));
     Eight nearest[9];
     for (std::size_t i = 0; i < closest.count; ++i) {
         nearest[i] = distances(features, features.features[list[closest.entries[i]]], corners) +

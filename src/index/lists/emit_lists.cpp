@@ -118,6 +118,14 @@ std::uint64_t EmittedLists::bytes() const noexcept
            arena.span().size_bytes();
 }
 
+double EmittedLists::part_of(double most_bytes) const noexcept
+{
+    constexpr double positions = 1.0 + proximity_word::max_position;
+    return std::max({static_cast<double>(bytes()) / most_bytes,
+                     static_cast<double>(arena.size()) / (positions * block_alignment),
+                     static_cast<double>(runs.size()) / positions});
+}
+
 std::optional<double> emitted_bytes(std::span<const GrownTree> trees, const BlockSource& source,
                                     const EmitOptions& options)
 {

@@ -24,6 +24,10 @@ struct EmittedLists {
     ProximityStatistics statistics;
 
     [[nodiscard]] std::uint64_t bytes() const noexcept;
+
+    /// Parts of so many bytes that it takes, or of the blocks and runs that words can name, whichever is
+    /// more: where it is above 1, words may be wrong.
+    [[nodiscard]] double part_of(double most_bytes) const noexcept;
 };
 
 struct EmitOptions {

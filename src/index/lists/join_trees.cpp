@@ -1,11 +1,19 @@
 #include "index/lists/join_trees.h"
 
-#include "base/check.h"
-
 #include <algorithm>
 #include <cstring>
 
 namespace proxima {
+
+namespace {
+
+/// A position as words have it; another one where there are too many (EmittedLists::part_of).
+std::uint32_t name(std::size_t position) noexcept
+{
+    return static_cast<std::uint32_t>(position) & proximity_word::max_position;
+}
+
+} // namespace
 
 OctreeJoiner::OctreeJoiner(EmittedLists& octree, std::span<const EmittedTree> trees,
                            const RankBlocks& by_rank)
@@ -33,8 +41,7 @@ std::uint64_t OctreeJoiner::join(const EmittedTree& tree)
         if (word == proximity_word::search) return word;
         if (!proximity_word::is_leaf(word)) return word + first_node;
         const std::uint32_t position = proximity_word::position(word);
-        if (proximity_word::is_run(word))
-            return proximity_word::run(position + static_cast<std::uint32_t>(first_run));
+        if (proximity_word::is_run(word)) return proximity_word::run(name(position + first_run));
         return proximity_word::leaf(block_at(tree, first_byte, position),
                                     proximity_word::mask(word));
     };
@@ -66,8 +73,7 @@ std::uint32_t OctreeJoiner::block_at(const EmittedTree& tree, std::size_t first_
 
 std::uint32_t OctreeJoiner::position_of(std::size_t byte)
 {
-    PROXIMA_CHECK_LE(byte / block_alignment, proximity_word::max_position);
-    return static_cast<std::uint32_t>(byte / block_alignment);
+    return name(byte / block_alignment);
 }
 
 std::uint32_t OctreeJoiner::block_by_rank(std::uint32_t block)

@@ -19,7 +19,8 @@ public:
     OctreeJoiner(EmittedLists& octree, std::span<const EmittedTree> trees,
                  const RankBlocks& by_rank);
 
-    /// Copies the tree's arrays to the end. Returns the word of its root.
+    /// Copies the tree's arrays to the end. Returns the word of its root. Words are wrong once there is
+    /// more than they can name: EmittedLists::part_of tells.
     std::uint64_t join(const EmittedTree& tree);
 
 private:

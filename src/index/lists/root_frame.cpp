@@ -11,8 +11,9 @@ RootFrame make_root_frame(const Box& box, double margin) noexcept
     frame.center = 0.5 * box.lower + 0.5 * box.upper;
     double edge = box.extent().maxCoeff();
     if (!(edge > 0)) {
+        constexpr double most_edge = 1e149; // squares of distances within it are numbers
         const double reach = std::max(box.lower.cwiseAbs().maxCoeff(), 1.0);
-        edge = 1e-6 * reach;
+        edge = std::min(1e-6 * reach, most_edge);
     }
     // The centre is rounded: the cube must hold the box all the same.
     const double reach =

@@ -30,7 +30,7 @@ inline constexpr const char* thesis_proximity_extension = ".pxv";
 [[nodiscard]] Result<ThesisProximityOctree>
 load_thesis_proximity_octree(const std::filesystem::path& path, Progress* progress = nullptr);
 
-/// Like load_thesis_proximity_octree, from a file's bytes in memory, aligned to 64, which `storage`
+/// Like load_thesis_proximity_octree, from a file's bytes in memory, aligned to 128, which `storage`
 /// keeps alive. `name` stands for the path in messages.
 [[nodiscard]] Result<ThesisProximityOctree>
 load_thesis_proximity_octree(std::span<const std::byte> bytes, std::shared_ptr<const void> storage,

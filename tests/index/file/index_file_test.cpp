@@ -26,7 +26,6 @@
 #include <cstring>
 #include <fstream>
 #include <gtest/gtest.h>
-#include <new>
 #include <random>
 
 namespace proxima::index_file_test {
@@ -210,6 +209,79 @@ TEST_F(IndexFile, SurvivesSavingAndLoading)
         }
     }
     EXPECT_TRUE(has_floats && has_doubles && has_runs && has_table);
+}
+
+TEST_F(IndexFile, SurvivesSavingAndLoadingOfListsThatAllLeavesLack)
+{
+    const TriangleMesh ball = sample_mesh("icosphere:4").value();
+    for (const std::uint64_t bytes : {1024U, 16000U}) {
+        const MeshIndex index = testing::listed_index(ball, {.list_bytes = bytes}).value();
+        ASSERT_EQ(index.parts().lists()->statistics().blocks, 0U);
+        (void)saved(index);
+        const auto loaded = load_index(path("index.pxi"));
+        ASSERT_TRUE(loaded) << describe(loaded.error());
+        expect_equal(index, *loaded);
+    }
+}
+
+TEST_F(IndexFile, SurvivesSavingAndLoadingOfMeshesAsFarAsNumbersReach)
+{
+    const auto tetrahedron = [](double reach) {
+        return testing::mesh_of(
+            {Vec3(-reach, 0, 0), Vec3(reach, 0, 0), Vec3(0, reach, 0), Vec3(0, 0, reach)},
+            {{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {0, 3, 2}});
+    };
+    for (const double reach : {1e301, 5e302, 1.7e308}) {
+        SCOPED_TRACE(reach);
+        // One leaf, and many.
+        for (const TriangleMesh& mesh :
+             {tetrahedron(reach), testing::sphere_mesh(Vec3::Zero(), reach, 12, 16)}) {
+            const MeshIndex index = build_mesh_index(mesh).value();
+            (void)saved(index);
+            const auto loaded = load_index(path("index.pxi"));
+            ASSERT_TRUE(loaded) << describe(loaded.error());
+            expect_equal(index, *loaded);
+        }
+    }
+}
+
+TEST_F(IndexFile, SurvivesSavingAndLoadingOfAPointFarAwayWithLists)
+{
+    for (const double reach : {1.0, 1e154, 1e200, 1e308}) {
+        SCOPED_TRACE(reach);
+        const Vec3 point(reach, -reach / 2, 0);
+        const MeshIndex index =
+            testing::listed_index(testing::mesh_of({point}, {{0, 0, 0}})).value();
+        (void)saved(index);
+        const auto loaded = load_index(path("index.pxi"));
+        ASSERT_TRUE(loaded) << describe(loaded.error());
+        expect_equal(index, *loaded);
+        expect_same_answers(index, *loaded, std::array{point});
+    }
+}
+
+TEST_F(IndexFile, IsNotWrittenOfNoMesh)
+{
+    const Status status = save_index(MeshIndex{}, path("index.pxi"));
+    ASSERT_FALSE(status);
+    EXPECT_EQ(status.error().code, ErrorCode::invalid_argument);
+    EXPECT_EQ(entries(), 0U);
+}
+
+TEST_F(IndexFile, RefusesBytesThatAreNotAligned)
+{
+    const std::string bytes = saved(built(sample_mesh("cube").value()));
+    alignas(section_alignment) static std::array<std::byte, std::size_t{1} << 18U> memory;
+    ASSERT_LE(bytes.size() + section_alignment, memory.size());
+    for (const std::size_t offset : {0U, 1U, 8U, 64U, 128U}) {
+        const auto content = std::span(memory).subspan(offset, bytes.size());
+        std::ranges::copy(std::as_bytes(std::span(bytes)), content.begin());
+        const auto loaded = load_index(content, nullptr, "memory");
+        ASSERT_EQ(loaded.has_value(), offset % section_alignment == 0) << offset;
+        if (loaded) continue;
+        EXPECT_EQ(loaded.error().code, ErrorCode::invalid_argument);
+        EXPECT_NE(loaded.error().message.find("128"), std::string::npos) << loaded.error().message;
+    }
 }
 
 TEST_F(IndexFile, HasTheSameBytesForTheSameMesh)

@@ -137,6 +137,24 @@ TEST_F(CheckLists, NamesBytesOfListsThatBelongToNoBlock)
          {"block is damaged", [](EditableIndex& e) { e.arena.resize(e.arena.size() + 1); }}});
 }
 
+TEST_F(CheckLists, TakesAnArenaOfItsPaddingAlone)
+{
+    EditableIndex edited(sound_index);
+    edited.table.assign(1, proximity_word::search);
+    edited.table_depth = 0;
+    edited.nodes.clear();
+    edited.runs.clear();
+    edited.arena.assign(block_padding, std::byte{0});
+    edited.statistics = {};
+    edited.statistics.nodes = 1;
+    edited.statistics.leaves = 1;
+    edited.statistics.searched_leaves = 1;
+    edited.statistics.worst_case_steps = 1;
+    EXPECT_EQ(edited.fault(), "");
+    edited.arena.back() = std::byte{1};
+    EXPECT_NE(edited.fault().find("the padding is damaged"), std::string::npos);
+}
+
 TEST_F(CheckLists, NamesWrongStatisticsOfLists)
 {
     expect_named({{"statistics", [&](EditableIndex& e) { first_leaf(e) = proximity_word::search; }},
