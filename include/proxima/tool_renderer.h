@@ -156,11 +156,12 @@ private:
 
 /// Renders a tool that touches a scene, which must outlive the renderer, and whose objects each tick
 /// moves on for this tool. Objects have the friction of their materials, or without one that of the
-/// options; stiffness and damping are those of the options. A tool feels the bodies that objects have
-/// now: exchange(), deform() and textures are for points. An object that would squeeze the tool stays
-/// behind for it, as ToolEnd::limited tells, until there is room. Any thread, also while other
-/// renderers of the scene run. Errors: as above, and invalid_argument where the scene has
-/// max_scene_tools renderers.
+/// options; stiffness and damping are those of the options. A tool feels the bodies that objects were
+/// given last: later exchange() and deform(), and textures, are for points, and TouchScene::add() fails
+/// until the renderer ends. Refits get an index of their own here. An object that would squeeze the tool
+/// stays behind for it, as ToolEnd::limited tells, until there is room. Any thread, also while other
+/// renderers of the scene run. Errors: as above, those of build_mesh_index for refits, and
+/// invalid_argument where the scene has max_scene_tools renderers.
 [[nodiscard]] Result<ToolRenderer> make_tool_renderer(const MeshIndex& tool, TouchScene& scene,
                                                       const WorkspaceMap& map,
                                                       const DeviceLimits& device,

@@ -216,7 +216,7 @@ inline constexpr std::size_t max_scene_objects = 64;
 inline constexpr std::size_t max_scene_tools = 8;
 
 /// A triangle of a scene is named by one number: the bits of its id in its object's mesh, and above
-/// them those of the object.
+/// them those of the object. So bodies in scenes have at most 2^26 triangles.
 inline constexpr unsigned scene_triangle_bits = 26;
 
 [[nodiscard]] constexpr TriangleId scene_triangle(ObjectId object, TriangleId triangle) noexcept
@@ -244,7 +244,8 @@ struct ObjectMotion {
     RigidTransform pose = {};     ///< where it will be
     double seconds = 0;           ///< until it has that pose; 0 = at once, for the next tick
     Vec3 velocity = Vec3::Zero(); ///< from then on, of the object's origin, per second
-    Vec3 spin = Vec3::Zero();     ///< from then on, radians per second about the scene's axes
+    Vec3 spin = Vec3::Zero();     ///< from then on, radians per second about the scene's axes, at
+                                  ///< most 1e4 about each
     double coast_seconds = 0;     ///< how long these velocities last: then the object rests
 };
 
@@ -255,10 +256,11 @@ struct SceneTick {
     double seconds = 0;     ///< by which objects moved on: more than the tick's after lost ticks
 };
 
-/// Up to 64 objects. add() before the first tick; move(), exchange(), deform() and set_material() by
-/// one thread for each object, at any time; advance(), pose() and velocity() by the thread of the
-/// renderer that was made first; after its end the next that is made takes its place. Renderers are
-/// made and destroyed by any thread at any time. A value that moves, while no renderer has it.
+/// Up to 64 objects. add() before the first tick, and before a ToolRenderer is made; move(), exchange(),
+/// deform() and set_material() by one thread for each object, at any time; advance(), pose() and
+/// velocity() by the thread of the renderer that was made first; after its end the next that is made
+/// takes its place. Renderers are made and destroyed by any thread at any time. A value that moves,
+/// while no renderer has it.
 class TouchScene {
 public:
     /// Objects stay within the bounds, whose size decides how exact positions are: a point proxy
@@ -268,20 +270,22 @@ public:
     TouchScene& operator=(TouchScene&& other) noexcept;
     ~TouchScene();
 
-    /// Adds an object. Error invalid_argument: after the first tick, too many objects, a pose that is
-    /// not rigid, or an object that reaches out of the bounds.
+    /// Adds an object. Error invalid_argument: after the first tick, while there is a ToolRenderer, too
+    /// many objects or triangles, a pose that is not rigid, or an object that reaches out of the
+    /// bounds.
     [[nodiscard]] Result<ObjectId> add(const TouchBody& body, const RigidTransform& pose);
 
     /// Gives an object a motion, which replaces earlier ones and begins where they took it. Wait-free.
-    /// Error invalid_argument:
-    /// numbers that are not finite, negative times, a pose that is not rigid, or one that reaches
-    /// out of the bounds, also where the object coasts to; an object that was not added.
+    /// Error invalid_argument: numbers that are not finite, negative times, too fast a spin, a pose that
+    /// is not rigid, or one that reaches out of the bounds, also while the object coasts; an object
+    /// that was not added. A turn on the way to the pose may reach out.
     [[nodiscard]] Status move(ObjectId object, const ObjectMotion& motion);
 
     /// Gives an object another body from the next tick on. Copies of the old body go once no tool uses
     /// it: with a later exchange or change of shape, with the tool's renderer or with the scene, never
     /// in a servo thread. The force fades and rises anew only if the proxy touched the old body or is
-    /// at the new one. Error invalid_argument: out of the bounds, an object that was not added.
+    /// at the new one. Error invalid_argument: out of the bounds where the object is or goes, too many
+    /// triangles, an object that was not added.
     [[nodiscard]] Status exchange(ObjectId object, const TouchBody& body);
 
     /// Gives an object the shape of a refit of its body: within `seconds` each vertex moves evenly
@@ -289,8 +293,9 @@ public:
     /// does not fade, and the proxy stays where it touches. An application that gives shapes at 60 Hz
     /// sets `seconds` to 1/60. A shape that comes before the last one was reached is begun all the
     /// same: vertices go there from where they are within a tick. Takes effect without waiting, after
-    /// O(triangles) in the caller's thread. Error invalid_argument: a body with other triangles than
-    /// the one given last, a negative time, out of the bounds, an object that was not added.
+    /// O(triangles) in the caller's thread. A shape on its way has no inside. Error invalid_argument: a
+    /// body with other triangles than the one given last, a negative time, out of the bounds where the
+    /// object is or goes, an object that was not added.
     [[nodiscard]] Status deform(ObjectId object, const TouchBody& body, double seconds);
 
     /// Gives an object another material than its body's, until the body is exchanged. Each number

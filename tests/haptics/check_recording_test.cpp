@@ -205,7 +205,7 @@ std::vector<Forgery> forgeries()
         "velocity y", [](SceneMessage& m) -> double& { return m.motion.velocity.y(); },
         wrong_coordinates);
     of_message("spin x", [](SceneMessage& m) -> double& { return m.motion.spin.x(); },
-               {-1.1e6, 1.1e6, endless, not_a_number});
+               {-1.1e4, 1.1e4, endless, not_a_number});
     of_message(
         "seconds", [](SceneMessage& m) -> double& { return m.motion.seconds; }, wrong_times);
     of_message(
@@ -449,7 +449,7 @@ TEST_F(ForgedRecordingTest, EverythingInRangeIsReplayed)
             r.settings.room = 1e6;
             r.messages[0].motion.pose.translation.setConstant(1e100);
             r.messages[0].motion.velocity.setConstant(-1e100);
-            r.messages[0].motion.spin.setConstant(1e6);
+            r.messages[0].motion.spin.setConstant(1e4);
             r.messages[0].motion.seconds = r.messages[0].motion.coast_seconds = 86400;
         },
         [](Recording& r) { r.settings.tick_seconds = 1; },
@@ -477,7 +477,7 @@ TEST_F(ForgedRecordingTest, EverythingInRangeIsReplayed)
                 r.ticks[i].position = {i % 2 == 0 ? 1e6 : -1e6, -1e6, 0.1 * static_cast<double>(i)};
         },
         [](Recording& r) {
-            r.messages[0].motion.spin.setConstant(-1e6);
+            r.messages[0].motion.spin.setConstant(-1e4);
             r.messages[0].motion.coast_seconds = 86400;
             r.messages[1].material = {1e9, 1e9, 1e9, 1e9};
             r.messages[1].material_seconds = 86400;

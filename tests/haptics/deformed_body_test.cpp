@@ -1,6 +1,7 @@
 // Bodies with other vertex positions: what they feel like beside other ways to the same surface, and
 // which positions are refused.
 #include "haptics/changing_shapes.h"
+#include "haptics/scene/move_with_objects.h"
 
 #include <gtest/gtest.h>
 
@@ -158,6 +159,60 @@ TEST(DeformedBody, ARefitIsABodyOfItsOwn)
             touching += renderer.last().hold != Hold::free ? 1 : 0;
         }
         EXPECT_GT(touching, 150);
+    }
+}
+
+// While a closed shape is on its way back to the body that was built, that body's inside is not its own.
+TEST(DeformedBody, AShapeOnItsWayToTheBuiltBodyIsFeltFromOutside)
+{
+    const TriangleMesh ball =
+        moved(*sample_mesh("icosphere:3"), [](const Vec3& p) { return 0.1 * p; });
+    std::vector<Vec3> half;
+    for (const Vec3& p : ball.positions()) half.emplace_back(0.5 * p);
+    const TouchBody body = body_of(ball);
+    const auto small = refit_touch_body(body, half);
+    TouchScene scene(room);
+    const auto object = scene.add(body, {});
+    ASSERT_TRUE(scene.deform(*object, *small, 0));
+    (void)scene.advance(tick_seconds);
+    ASSERT_TRUE(scene.deform(*object, body, 100));
+    HapticRenderer renderer =
+        make_haptic_renderer(scene, same_unit, strong_device(), plain(0, 0)).value();
+    const Vec3 beside(0.001, 0.002, 0.075);
+    EXPECT_TRUE(renderer.tick(at(beside), tick_seconds).is_placed);
+    for (int tick = 0; tick < 350; ++tick)
+        renderer.tick(at(beside - Vec3(0, 0, 1e-4 * tick)), tick_seconds);
+    EXPECT_NEAR(renderer.last().proxy.z(), 0.05, 1e-3);
+    EXPECT_GT(renderer.last().force.z(), 1);
+    // Once it is there, who begins in it is inside.
+    for (int tick = 0; tick < 100; ++tick) (void)scene.advance(1);
+    renderer.reset();
+    EXPECT_FALSE(renderer.tick(at(beside), tick_seconds).is_placed);
+}
+
+// More triangles are near than there is memory for: the triangle that holds the proxy takes it along.
+TEST(DeformedBody, TheContactCarriesTheProxyInACrowd)
+{
+    TouchScene scene(room);
+    const TriangleMesh flat = flat_cloth(72);
+    const TouchBody body = body_of(flat);
+    const auto object = scene.add(body, {});
+    CarryScratch scratch;
+    const double radius = 0.002;
+    const Vec3 p(1e-4, 2e-4, radius);
+    std::vector<Vec3> positions(flat.positions().begin(), flat.positions().end());
+    Contact contact;
+    contact.triangle = scene_triangle(*object, TriangleId{2 * 36 * 72 + 73});
+    contact.pressure = 1;
+    Vec3 at = p;
+    for (const Vec3& way : {Vec3(0, 0, 0.001), Vec3(0.5, 0, 0)}) {
+        for (Vec3& each : positions) each += way;
+        ASSERT_TRUE(scene.deform(*object, *refit_touch_body(body, positions), 0));
+        (void)scene.advance(tick_seconds);
+        const CarriedGoal goal =
+            carried_position(moving_surface(scene), radius, {&contact, 1}, at, scratch);
+        EXPECT_LT((goal.position - at - way).norm(), 1e-9);
+        at += way;
     }
 }
 

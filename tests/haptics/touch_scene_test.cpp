@@ -1,6 +1,7 @@
 #include "proxima/touch_scene.h"
 
 #include "haptics/proxy/proxy.h"
+#include "haptics/scene/scene_input.h"
 #include "haptics/scene/touch_access.h"
 #include "haptics/scenes_to_touch.h"
 #include "haptics/surface/contact_surface.h"
@@ -12,6 +13,9 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <numbers>
+#include <string>
+#include <vector>
 
 namespace proxima::touch_scene_test {
 namespace {
@@ -144,6 +148,109 @@ TEST(TouchScene, RefusesInvalidObjectsAndMotions)
     EXPECT_FALSE(build_touch_body(
         *sample_mesh("cube"),
         {.material = SurfaceMaterial{.static_friction = 0.1, .dynamic_friction = 0.2}}));
+}
+
+TEST(TouchScene, RefusesSpinsThatAreTooFast)
+{
+    TouchScene scene(wide_room);
+    const ObjectId cube = scene.add(body_of(*sample_mesh("cube")), {}).value();
+    for (const double spin : {1.001e4, 1e154, 1e200, 1e308}) {
+        const Status status = scene.move(cube, {.spin = Vec3(0, -spin, 0), .coast_seconds = 1});
+        ASSERT_FALSE(status) << spin;
+        EXPECT_NE(status.error().message.find("spin"), std::string::npos);
+    }
+    // However long it lasts.
+    ASSERT_TRUE(scene.move(cube, {.spin = Vec3::Constant(1e4), .coast_seconds = 1e308}));
+    for (int tick = 0; tick < 10; ++tick) (void)scene.advance(1e6);
+    const Mat3 turned = scene.pose(cube).rotation;
+    EXPECT_LT((turned * turned.transpose() - Mat3::Identity()).norm(), 1e-12);
+}
+
+TEST(TouchScene, ObjectsStayWithinTheBoundsWhileTheyTurn)
+{
+    TouchScene scene(wide_room);
+    const TouchBody body = body_of(*sample_mesh("cube"));
+    const auto spins = [&](ObjectId object, const Vec3& velocity, const Vec3& turn) {
+        return scene
+            .move(object, {.pose = scene.pose(object),
+                           .velocity = velocity / 2,
+                           .spin = turn / 2,
+                           .coast_seconds = 2})
+            .has_value();
+    };
+    // A quarter of a turn ends where it began, and corners go out meanwhile.
+    const double quarter = std::numbers::pi / 2;
+    const ObjectId beside = scene.add(body, at_place(Vec3(18.9, 0, 0))).value();
+    EXPECT_FALSE(spins(beside, Vec3::Zero(), Vec3(0, 0, quarter)));
+    EXPECT_FALSE(spins(beside, Vec3::Zero(), Vec3(0, 0, 1000)));
+    EXPECT_TRUE(spins(beside, Vec3::Zero(), Vec3(0, 0, 0.05)));
+    // One that lies on the wall may turn upon it, and not tilt.
+    const ObjectId upon = scene.add(body, at_place(Vec3(0, 0, 19))).value();
+    EXPECT_TRUE(spins(upon, Vec3(1, -2, 0), Vec3(0, 0, 0.5)));
+    EXPECT_FALSE(spins(upon, Vec3(1, -2, 0), Vec3(0.01, 0, 0.5)));
+    // Its ball is within the bounds, but not where it coasts to.
+    const ObjectId middle = scene.add(body, {}).value();
+    EXPECT_TRUE(spins(middle, Vec3(18.2, 0, 0), Vec3(0, 0, 1000)));
+    EXPECT_FALSE(spins(middle, Vec3(18.3, 0, 0), Vec3(0, 0, 1000)));
+    // An origin far away swings it out, though both ends are within.
+    const ObjectId far =
+        scene
+            .add(body_of(moved(*sample_mesh("cube"),
+                               [](const Vec3& p) { return Vec3(p + Vec3(100, 0, 0)); })),
+                 at_place(Vec3(-100, 0, 0)))
+            .value();
+    EXPECT_FALSE(spins(far, Vec3::Zero(), Vec3(0, 0, 4 * quarter)));
+    EXPECT_TRUE(spins(far, Vec3::Zero(), Vec3(0, 0, 0.05)));
+}
+
+TEST(TouchScene, NewBodiesFitWhereverTheObjectGoes)
+{
+    TouchScene scene(wide_room);
+    const TouchBody body = body_of(*sample_mesh("cube"));
+    std::vector<Vec3> positions;
+    for (const Vec3& p : body.mesh().positions()) positions.emplace_back(5 * p);
+    const TouchBody large = *refit_touch_body(body, positions);
+    const ObjectId object = scene.add(body, {}).value();
+    const auto fits = [&] {
+        const bool exchanges = scene.exchange(object, large).has_value();
+        EXPECT_TRUE(scene.exchange(object, body));
+        const bool deforms = scene.deform(object, large, 0.01).has_value();
+        EXPECT_TRUE(scene.exchange(object, body));
+        EXPECT_EQ(exchanges, deforms);
+        return exchanges;
+    };
+    const auto wait = [&](double seconds) { (void)scene.advance(seconds); };
+    EXPECT_TRUE(fits());
+    // Where it will coast to, and has coasted to.
+    ASSERT_TRUE(scene.move(object, {.velocity = Vec3(18, 0, 0), .coast_seconds = 1}));
+    EXPECT_FALSE(fits());
+    wait(2);
+    EXPECT_FALSE(fits());
+    // Where it still is.
+    ASSERT_TRUE(scene.move(object, {.seconds = 10}));
+    EXPECT_FALSE(fits());
+    wait(6);
+    EXPECT_TRUE(fits());
+    wait(6);
+    // A turn by its spin, until it rests.
+    const Vec3 edge(0, 0, 14);
+    const double half_turn = std::numbers::pi;
+    ASSERT_TRUE(scene.move(
+        object, {.pose = at_place(edge), .spin = Vec3(half_turn, 0, 0), .coast_seconds = 1}));
+    wait(0.1);
+    EXPECT_FALSE(fits());
+    wait(1);
+    EXPECT_TRUE(fits());
+}
+
+// Too many to build here: their number alone.
+TEST(TouchScene, RefusesMoreTrianglesThanItsIdsName)
+{
+    EXPECT_TRUE(check_scene_triangles(std::size_t{1} << scene_triangle_bits));
+    const Status status = check_scene_triangles((std::size_t{1} << scene_triangle_bits) + 1);
+    ASSERT_FALSE(status);
+    EXPECT_EQ(status.error().code, ErrorCode::invalid_argument);
+    EXPECT_NE(status.error().message.find("67108864 triangles, not 67108865"), std::string::npos);
 }
 
 TEST(TouchScene, RefusesObjectsThatWereNotAdded)

@@ -4,6 +4,7 @@
 #include "base/text.h"
 #include "haptics/force/surface_renderer.h"
 #include "haptics/scene/material_change.h"
+#include "haptics/scene/scene_input.h"
 #include "proxima/haptic_renderer.h"
 
 #include <algorithm>
@@ -33,7 +34,6 @@ constexpr double most_material_seconds = 10; // s
 constexpr std::uint32_t most_reply_every = 1000;
 constexpr double most_strength = 1e9;       // as recordings have it
 constexpr double farthest_position = 1e100; // as recordings have it
-constexpr double most_spin = 1e4;           // rad/s
 
 constexpr double coast_periods = 2;
 

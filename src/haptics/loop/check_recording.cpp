@@ -2,6 +2,7 @@
 
 #include "base/text.h"
 #include "haptics/scene/object_script.h"
+#include "haptics/scene/scene_input.h"
 #include "haptics/surface/height_field.h"
 
 #include <array>
@@ -159,8 +160,8 @@ Status check_tick(const RecordedTick& tick, std::size_t number)
 /// Diagonals of the objects' box: the coordinates of a scene stay finite.
 constexpr Range room_range = {0, 1e6};
 
-/// Radians per second, along each axis: an angle is finite after any time.
-constexpr Range spin_range = {-1e6, 1e6};
+/// Radians per second, along each axis.
+constexpr Range spin_range = {-most_spin, most_spin};
 
 /// What TouchScene refuses beyond this, such as a pose out of its bounds, ends a replay with an error.
 Status check_message(const Recording& recording, std::size_t number)

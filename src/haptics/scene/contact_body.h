@@ -38,6 +38,7 @@ public:
     [[nodiscard]] const TriangleMesh& mesh() const noexcept { return mesh_; }
     /// The index of the body, of a refit that of the body that was built first.
     [[nodiscard]] const MeshIndex& mesh_index() const noexcept { return index_; }
+    [[nodiscard]] bool is_refit() const noexcept { return is_refit_; }
     /// The order of the triangles in trees of this body and of all refits of it.
     [[nodiscard]] std::span<const TriangleId> order() const noexcept { return index_.ids(); }
     /// Whether both are the same body or refits of the same one.

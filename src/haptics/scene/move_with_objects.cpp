@@ -68,7 +68,7 @@ public:
     }
 
     /// Where an object whose shape changed takes a position of its frame: with the nearest triangle,
-    /// and onto it, or as far as its contact where no triangle is near.
+    /// and onto it, or as far as its contact where no triangle is near, or more than there is memory for.
     static Vec3 taken(const MovingSurface& scene, TriangleId contact, double radius, const Vec3& p,
                       CarryScratch& scratch) noexcept
     {
@@ -78,7 +78,7 @@ public:
             id, p, Vec3::Zero(), radius + lift_in_edges * edge, scratch.near_, scratch.changing_);
         const MovingTriangle* nearest = nullptr;
         double least = std::numeric_limits<double>::infinity();
-        const std::size_t count = std::min(found, scratch.changing_.size());
+        const std::size_t count = found <= scratch.changing_.size() ? found : 0;
         for (const MovingTriangle& triangle : std::span(scratch.changing_).first(count)) {
             const double squared = (closest_point(triangle.before, p).point - p).squaredNorm();
             if (squared > least || (squared == least && nearest->id < triangle.id)) continue;

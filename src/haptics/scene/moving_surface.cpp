@@ -179,6 +179,7 @@ double MovingSurface::frame_margin(const Vec3& p) const noexcept
 
 Vec3 MovingSurface::exit_from(const Slot& slot, const Vec3& local) const noexcept
 {
+    if (slot.part < 1) return local; // the body's inside is not that of a shape on its way to it
     const auto out = slot.body().nearest_exit(local);
     return out ? beyond(*out, local, safety_gap(scale_)) : local;
 }

@@ -21,6 +21,12 @@ RigidTransform orthonormalized(const RigidTransform& pose) noexcept
 
 } // namespace
 
+RigidTransform coasted(const ObjectMotion& motion, double seconds) noexcept
+{
+    return {turned(motion.spin, seconds) * motion.pose.rotation,
+            motion.pose.translation + seconds * motion.velocity};
+}
+
 ObjectCourse::ObjectCourse(const RigidTransform& pose) noexcept : from_(orthonormalized(pose))
 {
     motion_.pose = from_;
@@ -49,9 +55,7 @@ RigidTransform ObjectCourse::pose_at(SceneTime time) const noexcept
                 from_.translation + part * (motion_.pose.translation - from_.translation)};
     }
     const double since = std::max(passed - motion_.seconds, 0.0);
-    const double coasted = std::min(since, motion_.coast_seconds);
-    return {turned(motion_.spin, coasted) * motion_.pose.rotation,
-            motion_.pose.translation + coasted * motion_.velocity};
+    return coasted(motion_, std::min(since, motion_.coast_seconds));
 }
 
 bool ObjectCourse::rests_at(SceneTime time) const noexcept

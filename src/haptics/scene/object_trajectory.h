@@ -13,6 +13,9 @@
 
 namespace proxima {
 
+/// Where an object is that has coasted from the motion's pose for so many seconds.
+[[nodiscard]] RigidTransform coasted(const ObjectMotion& motion, double seconds) noexcept;
+
 /// A motion of an object that began at a time of the scene. A value.
 class ObjectCourse {
 public:
@@ -32,8 +35,8 @@ public:
 
     [[nodiscard]] SceneTime start() const noexcept { return start_; }
 
-    /// The last pose that the application gave.
-    [[nodiscard]] const RigidTransform& goal() const noexcept { return motion_.pose; }
+    /// What the application gave last.
+    [[nodiscard]] const ObjectMotion& motion() const noexcept { return motion_; }
 
 private:
     /// When it is at the pose, s. Half a nanosecond per tick is lost in the scene's time.

@@ -4,6 +4,7 @@
 #include "base/text.h"
 
 #include <cmath>
+#include <numbers>
 #include <utility>
 
 namespace proxima {
@@ -20,11 +21,20 @@ bool is_rigid(const RigidTransform& pose) noexcept
 bool in_range(const ObjectMotion& motion) noexcept
 {
     return std::isfinite(motion.seconds) && motion.seconds >= 0 && motion.velocity.allFinite() &&
-           motion.spin.allFinite() && std::isfinite(motion.coast_seconds) &&
+           (motion.spin.array().abs() <= most_spin).all() && std::isfinite(motion.coast_seconds) &&
            motion.coast_seconds >= 0;
 }
 
 } // namespace
+
+Status check_scene_triangles(std::size_t count)
+{
+    constexpr std::size_t most = std::size_t{1} << scene_triangle_bits;
+    if (count <= most) return {};
+    return fail(ErrorCode::invalid_argument,
+                concat("a body in a scene has at most ", most, " triangles, not ", count,
+                       ": give it fewer, or split it into several objects"));
+}
 
 SceneInput::SceneInput(const Box& bounds) : bounds_(bounds)
 {
@@ -53,20 +63,48 @@ Result<SceneInput::Object*> SceneInput::find(ObjectId id)
                        objects_.size() == 1 ? " object" : " objects"));
 }
 
-bool SceneInput::contains(const Box& bounds, const RigidTransform& pose) const noexcept
+bool SceneInput::contains(const Box& box, const RigidTransform& pose,
+                          const Vec3& margin) const noexcept
 {
+    const Vec3 lower = bounds_.lower + margin;
+    const Vec3 upper = bounds_.upper - margin;
     for (unsigned corner = 0; corner < 8; ++corner) {
         Vec3 p;
         for (unsigned axis = 0; axis < 3; ++axis) {
             const auto i = static_cast<Eigen::Index>(axis);
-            p[i] = (corner >> axis & 1U) != 0 ? bounds.upper[i] : bounds.lower[i];
+            p[i] = (corner >> axis & 1U) != 0 ? box.upper[i] : box.lower[i];
         }
         const Vec3 at = pose(p);
-        if ((at.array() < bounds_.lower.array()).any() ||
-            (at.array() > bounds_.upper.array()).any())
-            return false;
+        if ((at.array() < lower.array()).any() || (at.array() > upper.array()).any()) return false;
     }
     return true;
+}
+
+bool SceneInput::contains_coast(const Box& box, const ObjectMotion& motion) const noexcept
+{
+    const RigidTransform end = coasted(motion, motion.coast_seconds);
+    const double spin = motion.spin.norm();
+    const double angle = motion.coast_seconds * spin;
+    if (!(angle > 0)) return contains(box, motion.pose) && contains(box, end);
+    // However far it turns, it stays within a ball about the object's origin.
+    const double reach = box.lower.cwiseAbs().cwiseMax(box.upper.cwiseAbs()).norm();
+    const Box ball = {Vec3::Constant(-reach), Vec3::Constant(reach)};
+    if (contains(ball, {Mat3::Identity(), motion.pose.translation}) &&
+        contains(ball, {Mat3::Identity(), end.translation}))
+        return true;
+    if (!(angle < std::numbers::pi)) return false;
+    // Its points leave the straight lines between both ends by at most this, across the axis.
+    const Vec3 along = motion.spin / spin;
+    const Vec3 across = (1 - along.array().square()).max(0).sqrt().matrix();
+    const Vec3 margin = angle * angle / 8 * reach * across;
+    return contains(box, motion.pose, margin) && contains(box, end, margin);
+}
+
+bool SceneInput::contains_course(const Box& box, const ObjectCourse& course) const noexcept
+{
+    const SceneTime now = clock_.now();
+    return contains(box, course.pose_at(now)) &&
+           (course.rests_at(now) || contains_coast(box, course.motion()));
 }
 
 Result<ObjectId> SceneInput::add(std::shared_ptr<const ContactBody> body,
@@ -81,6 +119,8 @@ Result<ObjectId> SceneInput::add(std::shared_ptr<const ContactBody> body,
         return fail(ErrorCode::invalid_argument, "a scene cannot have more than 64 objects");
     if (!is_rigid(pose))
         return fail(ErrorCode::invalid_argument, "the object's pose must be a rigid transform");
+    if (Status status = check_scene_triangles(body->mesh().triangle_count()); !status)
+        return tl::unexpected(status.error());
     if (!contains(body->bounds(), pose))
         return fail(ErrorCode::invalid_argument, "the object must be within the scene's bounds");
     auto object = std::make_unique<Object>(ObjectCourse(pose));
@@ -93,11 +133,9 @@ const char* SceneInput::motion_problem(ObjectId id, const ObjectMotion& motion) 
 {
     if (!is_rigid(motion.pose)) return "the object's pose must be a rigid transform";
     if (!in_range(motion))
-        return "times of a motion must be finite and not negative, and its velocities finite";
-    const RigidTransform end = {motion.pose.rotation,
-                                motion.pose.translation + motion.coast_seconds * motion.velocity};
-    const Box& bounds = objects_[to_index(id)]->shape.body->bounds();
-    if (!contains(bounds, motion.pose) || !contains(bounds, end))
+        return "times of a motion must be finite and not negative, its velocity finite, and its "
+               "spin at most 1e4 radians per second about each axis";
+    if (!contains_coast(objects_[to_index(id)]->shape.body->bounds(), motion))
         return "the motion would take the object out of the scene's bounds";
     return nullptr;
 }
@@ -158,7 +196,9 @@ Status SceneInput::exchange(ObjectId id, std::shared_ptr<const ContactBody> body
     const auto found = find(id);
     if (!found) return tl::unexpected(found.error());
     Object& object = **found;
-    if (!contains(body->bounds(), object.course.goal())) {
+    if (Status status = check_scene_triangles(body->mesh().triangle_count()); !status)
+        return status;
+    if (!contains_course(body->bounds(), object.course)) {
         return fail(ErrorCode::invalid_argument,
                     "the new body would not be within the scene's bounds");
     }
@@ -184,7 +224,7 @@ Status SceneInput::change_shape(ObjectId id, std::shared_ptr<const ContactBody> 
         return fail(ErrorCode::invalid_argument,
                     "the time of a change must be finite and at least 0");
     }
-    if (!contains(body->bounds(), object.course.goal())) {
+    if (!contains_course(body->bounds(), object.course)) {
         return fail(ErrorCode::invalid_argument,
                     "the new shape would not be within the scene's bounds");
     }
@@ -207,6 +247,13 @@ void SceneInput::join(ObjectId id, std::size_t tool, ShapeSnapshot& shapes)
     object.shapes[tool] = &shapes;
     shapes.writing() = object.shape;
     shapes.publish();
+}
+
+std::shared_ptr<const ContactBody> SceneInput::body(ObjectId id)
+{
+    const Object& object = this->object(id);
+    const std::lock_guard lock(mutex_);
+    return object.shape.body;
 }
 
 void SceneInput::leave(std::size_t tool)

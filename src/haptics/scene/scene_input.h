@@ -28,6 +28,12 @@
 
 namespace proxima {
 
+/// rad/s: no object spins faster about any axis, so that its angle stays a number.
+inline constexpr double most_spin = 1e4;
+
+/// Error invalid_argument for a body of more triangles than scene_triangle() can name.
+[[nodiscard]] Status check_scene_triangles(std::size_t count);
+
 /// The shape that the application gave an object last.
 struct SceneShape {
     std::shared_ptr<const ContactBody> body;
@@ -75,6 +81,8 @@ public:
     {
         return objects_[to_index(object)]->materials[tool];
     }
+    /// The body that an object was given last. Any thread. \pre the object was added
+    [[nodiscard]] std::shared_ptr<const ContactBody> body(ObjectId object);
     /// Writes the shape of an object, and all later ones, until the tool leaves. It refers to
     /// `shapes`.
     void join(ObjectId object, std::size_t tool, ShapeSnapshot& shapes);
@@ -95,7 +103,13 @@ private:
     [[nodiscard]] Object& object(ObjectId id);
     /// Error invalid_argument where no object has this id.
     [[nodiscard]] Result<Object*> find(ObjectId id);
-    [[nodiscard]] bool contains(const Box& bounds, const RigidTransform& pose) const noexcept;
+    /// Whether a box in a pose is within the bounds, with a margin along each axis.
+    [[nodiscard]] bool contains(const Box& box, const RigidTransform& pose,
+                                const Vec3& margin = Vec3::Zero()) const noexcept;
+    /// Whether a box is within the bounds from the motion's pose on.
+    [[nodiscard]] bool contains_coast(const Box& box, const ObjectMotion& motion) const noexcept;
+    /// Whether a box is within the bounds where the object is now, and where it goes.
+    [[nodiscard]] bool contains_course(const Box& box, const ObjectCourse& course) const noexcept;
     void publish(Object& object, SceneShape shape);
 
     Box bounds_;

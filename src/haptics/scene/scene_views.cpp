@@ -20,16 +20,21 @@ SceneViews::SceneViews(const Box& bounds) : input_(bounds)
 Result<ObjectId> SceneViews::add(std::shared_ptr<const ContactBody> body,
                                  const RigidTransform& pose)
 {
+    const std::lock_guard lock(mutex_);
+    if (std::ranges::find(added_, AddedObjects::unfelt) != added_.end()) {
+        return fail(ErrorCode::invalid_argument,
+                    "objects must be added before a ToolRenderer is made, which would not feel "
+                    "them: destroy it, add the object, and make it anew");
+    }
     auto id = input_.add(std::move(body), pose);
     if (!id) return id;
-    const std::lock_guard lock(mutex_);
     for (const auto& view : views_) {
         if (view != nullptr) view->add(*id);
     }
     return id;
 }
 
-Result<SceneView> SceneViews::take()
+Result<SceneView> SceneViews::take(AddedObjects added)
 {
     const std::lock_guard lock(mutex_);
     const auto free = std::ranges::find(taken_, false);
@@ -42,6 +47,7 @@ Result<SceneView> SceneViews::take()
     if (views_[tool] == nullptr) views_[tool] = std::make_unique<MovingSurface>(input_, tool);
     views_[tool]->start();
     *free = true;
+    added_[tool] = added;
     return SceneView(views_[tool].get(), GiveViewBack{this});
 }
 
@@ -52,6 +58,7 @@ void SceneViews::give_back(const MovingSurface* view) noexcept
     for (std::size_t tool = 0; tool < max_scene_tools; ++tool) {
         if (views_[tool].get() != view) continue;
         taken_[tool] = false;
+        added_[tool] = AddedObjects::felt;
         if (tool == 0) return;
         input_.leave(tool);
         ended = std::move(views_[tool]);

@@ -19,6 +19,9 @@ namespace proxima {
 
 class SceneViews;
 
+/// Whether a tool feels objects that are added while it has a view.
+enum class AddedObjects : bool { felt, unfelt };
+
 /// Gives a view back when its tool ends.
 struct GiveViewBack {
     SceneViews* views = nullptr;
@@ -40,18 +43,19 @@ public:
     [[nodiscard]] Result<ObjectId> add(std::shared_ptr<const ContactBody> body,
                                        const RigidTransform& pose);
 
-    /// A view for a tool, with objects where they are now. Any thread, while others run. Error
-    /// invalid_argument: too many tools.
-    [[nodiscard]] Result<SceneView> take();
+    /// A view for a tool, with objects where they are now; add() fails while one has it that would not
+    /// feel what is added. Any thread, while others run. Error invalid_argument: too many tools.
+    [[nodiscard]] Result<SceneView> take(AddedObjects added = AddedObjects::felt);
 
 private:
     friend struct GiveViewBack;
     void give_back(const MovingSurface* view) noexcept;
 
     SceneInput input_;
-    std::mutex mutex_; ///< of the next two; no servo loop takes it
+    std::mutex mutex_; ///< of the next three; no servo loop takes it
     std::array<std::unique_ptr<MovingSurface>, max_scene_tools> views_;
     std::array<bool, max_scene_tools> taken_{};
+    std::array<AddedObjects, max_scene_tools> added_{}; ///< `felt` where not taken
 };
 
 } // namespace proxima

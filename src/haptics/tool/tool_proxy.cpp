@@ -328,7 +328,9 @@ void ToolProxy::carry() noexcept
     for (SeenObject& object : objects_) {
         const double seen = twist_between(object.relative, object.seen_from_goal(carried))
                                 .path_length(tool_.features.reach());
-        object.begin_step(seen < carried_clearances * options_.clearance ? 1 : 0);
+        const bool goes_along = seen < carried_clearances * options_.clearance;
+        if (&object == by && !goes_along) return; // the proof below leaves it out
+        object.begin_step(goes_along ? 1 : 0);
     }
     Move move = make_move(twist_between(pose_, carried), 1);
     move.to = carried;

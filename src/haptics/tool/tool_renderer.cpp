@@ -3,6 +3,7 @@
 #include "base/text.h"
 #include "haptics/device/check_numbers.h"
 #include "haptics/force/contact_force.h"
+#include "haptics/scene/contact_body.h"
 #include "haptics/scene/scene_views.h"
 #include "haptics/scene/touch_access.h"
 #include "haptics/tool/tool_guard.h"
@@ -133,6 +134,12 @@ Friction friction_of(const std::optional<SurfaceMaterial>& material,
 {
     if (material) return {material->static_friction, material->dynamic_friction};
     return {options.static_friction, options.dynamic_friction};
+}
+
+/// An index of the body's triangles where they are: that of a refit holds the body that was built first.
+Result<MeshIndex> index_of(const ContactBody& body)
+{
+    return body.is_refit() ? build_mesh_index(body.mesh()) : body.mesh_index();
 }
 
 bool is_usable(const RigidTransform& pose) noexcept
@@ -425,12 +432,14 @@ Result<ToolRenderer> make_tool_renderer(const MeshIndex& tool, TouchScene& scene
 {
     if (Status status = check_tool_settings(map, device, options); !status)
         return tl::unexpected(status.error());
-    auto view = scene_views(scene).take();
+    SceneViews& views = scene_views(scene);
+    auto view = views.take(AddedObjects::unfelt);
     if (!view) return tl::unexpected(view.error());
     std::vector<ToolObject> objects;
     for (std::uint32_t at = 0; at < (*view)->object_count(); ++at) {
-        const SceneObject object = (*view)->object(ObjectId{at});
-        objects.push_back({object.body->mesh_index(), object.now});
+        auto index = index_of(*views.input().body(ObjectId{at}));
+        if (!index) return tl::unexpected(index.error());
+        objects.push_back({*index, (*view)->object(ObjectId{at}).now});
     }
     return ToolSurfaceRenderer::make(tool, objects, std::move(*view), map, device, options);
 }

@@ -33,7 +33,10 @@ public:
     ObjectId add(const TriangleMesh& mesh, const RigidTransform& pose,
                  const std::optional<SurfaceMaterial>& material = std::nullopt)
     {
-        const TouchBody body = build_touch_body(mesh, {.material = material}).value();
+        return add(build_touch_body(mesh, {.material = material}).value(), pose);
+    }
+    ObjectId add(const TouchBody& body, const RigidTransform& pose)
+    {
         return scene_.add(body, pose).value();
     }
     void start(const RigidTransform& device, const ToolRenderOptions& options = plain_springs(),
@@ -333,6 +336,56 @@ TEST(ToolInScene, AtRestItFeelsLikeObjectsAtRest)
         touching += tick.contact_count > 0 ? 1 : 0;
     }
     EXPECT_GT(touching, 20);
+}
+
+TEST(ToolInScene, ARefitIsFeltWhereItsVerticesAre)
+{
+    const TriangleMesh plate = box_mesh({0.05, 0.05, 0.005});
+    std::vector<Vec3> positions;
+    for (const Vec3& p : plate.positions()) positions.emplace_back(p + Vec3(0, 0, 0.03));
+    const TouchBody body = build_touch_body(plate).value();
+    const TouchBody refit = refit_touch_body(body, positions).value();
+    const TriangleMesh tool = box_mesh(Vec3::Constant(half));
+    for (const bool changes : {false, true}) {
+        SceneBench scene(tool);
+        const ObjectId object = scene.add(changes ? body : refit, pose_at({0, 0, 0}));
+        if (changes) {
+            ASSERT_TRUE(scene.scene().deform(object, refit, 0).has_value());
+        }
+        ToolBench alone(tool, {{index_of(refit.mesh()), {}}}, plain_springs());
+        const RigidTransform begin = pose_at({0, 0, 0.06});
+        scene.start(begin);
+        alone.start(begin);
+        int touching = 0;
+        for (int i = 0; i < 200; ++i) {
+            const RigidTransform device = pose_at({0, 0, 0.06 - 1e-4 * i});
+            const ToolTick& tick = scene.tick(device);
+            ASSERT_EQ(tick.force, alone.tick(device).force) << changes << ' ' << i;
+            touching += tick.contact_count > 0 ? 1 : 0;
+        }
+        EXPECT_GT(touching, 20) << changes;
+    }
+}
+
+TEST(ToolInScene, NoObjectIsAddedThatAToolWouldNotFeel)
+{
+    TouchScene scene(Box{Vec3::Constant(-1), Vec3::Constant(1)});
+    const TouchBody body = build_touch_body(table()).value();
+    ASSERT_TRUE(scene.add(body, pose_at({0, 0, 0})).has_value());
+    const auto point = make_haptic_renderer(scene, WorkspaceMap{}, strong_device());
+    ASSERT_TRUE(point.has_value());
+    ASSERT_TRUE(scene.add(body, pose_at({0, 0, 0.2})).has_value());
+    {
+        const auto tool = make_tool_renderer(index_of(box_mesh(Vec3::Constant(half))), scene,
+                                             WorkspaceMap{}, strong_device(), plain_springs());
+        ASSERT_TRUE(tool.has_value());
+        const auto added = scene.add(body, pose_at({0, 0, 0.4}));
+        ASSERT_FALSE(added.has_value());
+        EXPECT_EQ(added.error().code, ErrorCode::invalid_argument);
+        EXPECT_NE(added.error().message.find("before a ToolRenderer is made"), std::string::npos);
+        EXPECT_EQ(scene.object_count(), 2U);
+    }
+    EXPECT_TRUE(scene.add(body, pose_at({0, 0, 0.4})).has_value());
 }
 
 TEST(ToolInScene, TicksWithMovingObjectsAllocateNothing)
