@@ -4,6 +4,7 @@
 #include "base/text.h"
 #include "cli/model_options.h"
 #include "cli/names.h"
+#include "cli/number_checks.h"
 #include "geometry/length.h"
 
 #include <CLI/CLI.hpp>
@@ -147,12 +148,15 @@ Result<OrbitCamera> placed_camera(const CameraChoice& choice, std::span<const Ve
     return looking(camera, *choice.eye, target);
 }
 
-std::vector<Vec3> points_to_frame(std::span<const Vec3> positions)
+std::vector<Vec3> points_to_frame(const TriangleMesh& mesh)
 {
-    constexpr std::size_t enough = 5000;
+    std::vector<bool> used(mesh.vertex_count());
+    for (const TriangleCorners& corners : mesh.triangles())
+        for (const std::uint32_t corner : corners) used[corner] = true;
     std::vector<Vec3> points;
-    const std::size_t step = positions.size() / enough + 1;
-    for (std::size_t i = 0; i < positions.size(); i += step) points.push_back(positions[i]);
+    points.reserve(used.size());
+    for (std::size_t i = 0; i < used.size(); ++i)
+        if (used[i]) points.push_back(mesh.positions()[i]);
     return points;
 }
 
@@ -219,7 +223,7 @@ void add_camera_options(CLI::App& parser, CameraChoice& choice, const std::strin
             "--fov",
             [&choice](const double& degrees) { choice.zoom = zoom_of_angle(degree * degrees); },
             "Opening angle of the camera from bottom to top, in degrees (default 35)")
-        ->check(CLI::Range(0.1, 170.0))
+        ->check(number_between(0.1, 170.0))
         ->type_name("DEGREES");
     parser.get_option("--eye")->excludes(view);
 }

@@ -4,6 +4,7 @@
 #include "cli/camera.h"
 #include "proxima/geometry.h"
 #include "proxima/result.h"
+#include "proxima/triangle_mesh.h"
 
 #include <optional>
 #include <span>
@@ -41,8 +42,8 @@ struct CameraChoice {
 [[nodiscard]] Result<OrbitCamera> placed_camera(const CameraChoice& choice,
                                                 std::span<const Vec3> points);
 
-/// As many positions as tell how large a mesh is seen, for placed_camera.
-[[nodiscard]] std::vector<Vec3> points_to_frame(std::span<const Vec3> positions);
+/// The vertices that triangles use, for placed_camera. O(mesh).
+[[nodiscard]] std::vector<Vec3> points_to_frame(const TriangleMesh& mesh);
 
 /// The longest side of a picture whose every pixel is sampled several times, and of another.
 inline constexpr int most_canvas_pixels = 8192;

@@ -5,18 +5,21 @@
 #include "cli/json_numbers.h"
 #include "cli/model_options.h"
 #include "cli/names.h"
+#include "cli/number_checks.h"
 #include "cli/poses.h"
 #include "cli/stopwatch.h"
 #include "proxima/mesh_index.h"
 #include "proxima/time_of_contact.h"
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <cmath>
 #include <fmt/core.h>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <numbers>
 #include <optional>
+#include <vector>
 
 namespace proxima {
 
@@ -51,12 +54,12 @@ Result<MovingModel> load_moving(const std::string& model, Session& session)
     return MovingModel{std::move(*mesh), *index};
 }
 
-Result<RigidTransform> one_pose(const std::string& text, std::string_view option, Session& session)
+/// The identity without a text.
+Result<Poses> one_pose(const std::string& text, std::string_view option, Session& session)
 {
-    if (text.empty()) return RigidTransform{};
-    const auto poses = read_poses(text, session);
-    if (!poses) return tl::unexpected(poses.error());
-    if (poses->poses.size() == 1) return poses->poses.front();
+    if (text.empty()) return Poses{.poses = std::vector<RigidTransform>(1)};
+    auto poses = read_poses(text, session);
+    if (!poses || poses->poses.size() == 1) return poses;
     return fail(ErrorCode::invalid_argument,
                 concat("takes one pose, and ", text, " has ", poses->poses.size()),
                 std::string(option));
@@ -69,9 +72,14 @@ Result<Vec3> three_numbers(const std::string& text, std::string_view option)
     return fail(ErrorCode::invalid_argument, concat(text, " is not X,Y,Z"), std::string(option));
 }
 
+struct GivenMotion {
+    RigidMotion motion;
+    double rotation_error = 0; ///< of the pose that was farthest from a rotation
+};
+
 /// The motion of the options: from one pose to the other, about the middle of B's box or as given, by
 /// the shorter turn or as given.
-Result<RigidMotion> motion_of(const ContactTimeOptions& options, const TriangleMesh& mesh_b,
+Result<GivenMotion> motion_of(const ContactTimeOptions& options, const TriangleMesh& mesh_b,
                               Session& session)
 {
     const auto from = one_pose(options.from, "--from", session);
@@ -84,7 +92,7 @@ Result<RigidMotion> motion_of(const ContactTimeOptions& options, const TriangleM
         if (!given) return tl::unexpected(given.error());
         center = *given;
     }
-    RigidMotion motion = motion_between(*from, *to, center);
+    RigidMotion motion = motion_between(from->poses.front(), to->poses.front(), center);
     if (!options.turn.empty()) {
         const auto numbers = parse_finite_numbers(options.turn);
         const bool is_turn = numbers && numbers->size() == 4;
@@ -99,7 +107,7 @@ Result<RigidMotion> motion_of(const ContactTimeOptions& options, const TriangleM
         motion.turn = axis.stableNormalized() * ((*numbers)[3] / 180 * std::numbers::pi);
     }
     if (Status status = check_motion(motion); !status) return tl::unexpected(status.error());
-    return motion;
+    return GivenMotion{motion, std::max(from->rotation_error, to->rotation_error)};
 }
 
 std::string_view name_of(ContactEvidence evidence)
@@ -165,28 +173,32 @@ Status run_contact_time(const ContactTimeOptions& options, Session& session)
     const auto b = load_moving(options.model_b, session);
     if (!b) return tl::unexpected(b.error());
     const double build_seconds = build_watch.seconds();
-    const auto motion = motion_of(options, b->mesh, session);
-    if (!motion) return tl::unexpected(motion.error());
+    const auto given = motion_of(options, b->mesh, session);
+    if (!given) return tl::unexpected(given.error());
+    const RigidMotion& motion = given->motion;
     TimeOfContactOptions search = options.search;
     search.execution = session.execution();
     const Stopwatch watch;
     const auto found = [&] {
         const ProgressBar shown(session.progress(), session.bar());
-        return time_of_contact(a->index, b->index, *motion, search);
+        return time_of_contact(a->index, b->index, motion, search);
     }();
     const double seconds = watch.seconds();
     if (Status status = session.check_running(); !status) return status;
-    session.print(fmt::format("A {}: {} triangles\nB {}: {} triangles\n{}, {:.3f} ms\n",
+    std::string rotated = rotation_text(given->rotation_error);
+    if (!rotated.empty()) rotated += '\n';
+    session.print(fmt::format("A {}: {} triangles\nB {}: {} triangles\n{}{}, {:.3f} ms\n",
                               options.model_a, a->mesh.triangle_count(), options.model_b,
-                              b->mesh.triangle_count(), text_of(found), 1e3 * seconds));
+                              b->mesh.triangle_count(), rotated, text_of(found), 1e3 * seconds));
     Json json = {{"a", options.model_a},
                  {"b", options.model_b},
                  {"triangles_a", a->mesh.triangle_count()},
                  {"triangles_b", b->mesh.triangle_count()},
                  {"build_seconds", build_seconds},
-                 {"center", json_numbers(motion->center)},
-                 {"displacement", json_numbers(motion->displacement)},
-                 {"turn", json_numbers(motion->turn)}};
+                 {"rotation_error", given->rotation_error},
+                 {"center", json_numbers(motion.center)},
+                 {"displacement", json_numbers(motion.displacement)},
+                 {"turn", json_numbers(motion.turn)}};
     json.update(json_of(found));
     json["seconds"] = seconds;
     return session.write_json(json);
@@ -223,7 +235,7 @@ Command add_contact_time_command(CLI::App& app)
     parser
         ->add_option("--tolerance", options->search.tolerance,
                      "Of the time: how far apart free_until and touches_at may be")
-        ->check(CLI::Range(0.0, 1.0))
+        ->check(number_between(0.0, 1.0))
         ->capture_default_str()
         ->type_name("T");
     parser

@@ -74,7 +74,7 @@ Result<ViewVolume> volume_of_planes(const CullOptions& options, Session& session
 Result<ViewVolume> volume_of_camera(const CullOptions& options, const TriangleMesh& mesh)
 {
     const CameraChoice choice = for_model(options.camera, options.model);
-    const auto camera = placed_camera(choice, points_to_frame(mesh.positions()));
+    const auto camera = placed_camera(choice, points_to_frame(mesh));
     if (!camera) return at_model(camera.error(), options.model);
     const View view(*camera, choice.size);
     return make_perspective_volume(

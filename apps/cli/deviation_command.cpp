@@ -140,6 +140,7 @@ Status measure_mean(const DeviationModel& from, const DeviationModel& to,
     }
     if (!mean) return at_model(mean.error(), from.name);
     way.mean = std::move(*mean);
+    if (end == 0) way.mean->histogram = {1.0}; // all that there is, at distance 0
     way.mean_seconds = watch.seconds();
     return {};
 }
@@ -186,7 +187,7 @@ Status write_deviation_files(const DeviationModel& a, const DeviationModel& b,
                              double largest, Session& session)
 {
     Progress* const progress = &session.progress();
-    if (!options.histogram.empty() && !histogram.shares.empty()) {
+    if (!options.histogram.empty()) {
         if (Status status = write_deviation_histogram(
                 histogram, fmt::format("Distances of {} and {}", a.name, b.name), options.histogram,
                 progress);
@@ -242,10 +243,11 @@ Status run_deviation(const DeviationOptions& options, Session& session)
             return status;
     }
     const DeviationHistogram histogram = histogram_of(ways, hausdorff.upper);
-    const bool lacks_histogram = !options.histogram.empty() && histogram.shares.empty();
-    if (lacks_histogram) {
-        session.note(fmt::format("{} is not written: {}", options.histogram,
-                                 hausdorff.upper > 0 ? "there is no mean" : "all distances are 0"));
+    if (!options.histogram.empty() && histogram.shares.empty()) {
+        return fail(ErrorCode::invalid_mesh,
+                    "a histogram has the shares of an area, and there is no area with a mean "
+                    "distance: leave --histogram out",
+                    options.histogram);
     }
     if (Status status = write_deviation_files(*a, *b, options, histogram,
                                               ways.front().greatest.distance.upper, session);
@@ -258,8 +260,7 @@ Status run_deviation(const DeviationOptions& options, Session& session)
     if (!rotated.empty()) text += rotated + '\n';
     text += deviation_text(ways, hausdorff);
     if (!histogram.shares.empty()) text += histogram_text(histogram);
-    for (const std::string& path :
-         {lacks_histogram ? "" : options.histogram, options.out, options.picture})
+    for (const std::string& path : {options.histogram, options.out, options.picture})
         if (!path.empty()) text += fmt::format("wrote {}\n", path);
     session.print(text);
     nlohmann::ordered_json json = {{"a", a->name},
@@ -314,6 +315,7 @@ Command add_deviation_command(CLI::App& app)
         ->add_option(
             "--max-splits", options->max_splits,
             "How often parts of triangles are cut at most each way; then the bounds so far")
+        ->check(CLI::Range(std::uint64_t{0}, std::uint64_t{1} << 40U))
         ->capture_default_str()
         ->type_name("N");
     add_budget_option(*parser, options->budget_mb,

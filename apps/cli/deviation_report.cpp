@@ -98,7 +98,7 @@ Result<Image> draw_deviation(const TriangleMesh& mesh, const VertexDeviations& d
     auto canvas =
         make_canvas(view.size.width, view.size.height, {srgb(0xFBFCFE), srgb(0xE3E8EF)}, progress);
     if (!canvas) return tl::unexpected(canvas.error());
-    const auto camera = placed_camera(view, points_to_frame(mesh.positions()));
+    const auto camera = placed_camera(view, points_to_frame(mesh));
     if (!camera) return tl::unexpected(camera.error());
     const auto color_of = [&](TriangleId id) {
         double sum = 0;
@@ -158,7 +158,8 @@ Status write_deviation_histogram(const DeviationHistogram& histogram, const std:
     const double top = 5 * std::ceil(21 * most);
     PlotWords words{.title = title, .x = "distance", .y = "share of the area, percent"};
     for (const std::string& name : histogram.names) words.series.push_back(name);
-    Plot plot(linear_scale(histogram.end), linear_scale(std::max(top, 5.0)), words);
+    Plot plot(linear_scale(histogram.end > 0 ? histogram.end : 1), linear_scale(std::max(top, 5.0)),
+              words);
     for (std::size_t series = 0; series < histogram.shares.size(); ++series) {
         double before = 0;
         for (std::size_t i = 0; i <= bins; ++i) {

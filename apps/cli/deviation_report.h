@@ -34,7 +34,8 @@ struct VertexDeviations {
                                            const VertexDeviations& deviations,
                                            const CameraChoice& view, Progress* progress);
 
-/// Shares of the area by bins of equal widths from 0 to `end`, one list for each name.
+/// Shares of the area by bins of equal widths from 0 to `end`, one list for each name. Where `end`
+/// is 0 there is one bin, of distance 0.
 struct DeviationHistogram {
     double end = 0;
     std::vector<std::string> names;

@@ -96,8 +96,8 @@ Result<Image> draw_intersection(const IntersectionScene& scene, const PictureOpt
     const std::vector<BoxCorners> boxes_b =
         boxes_of(scene.octree_b, scene.leaves, &LeafPair::b, scene.pose_b);
 
-    std::vector<Vec3> seen = points_to_frame(scene.mesh_a.positions());
-    for (const Vec3& point : points_to_frame(mesh_b.positions())) seen.push_back(point);
+    std::vector<Vec3> seen = points_to_frame(scene.mesh_a);
+    for (const Vec3& point : points_to_frame(mesh_b)) seen.push_back(point);
     const auto camera = placed_camera(options.view, seen);
     if (!camera) return tl::unexpected(camera.error());
     const View view(*camera, size);

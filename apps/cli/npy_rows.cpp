@@ -72,7 +72,7 @@ Result<std::size_t> NpyRows::fill()
     return more;
 }
 
-/// Rows and columns, or all of the array as one row.
+/// Rows and columns, a column, or all of the array as one row.
 Status NpyRows::take_shape()
 {
     const std::span<const std::uint64_t> shape = header_.shape;
@@ -80,7 +80,7 @@ Status NpyRows::take_shape()
     const auto columns = product(shape.subspan(1));
     constexpr std::uint64_t most = std::numeric_limits<std::uint64_t>::max() / (4 * sizeof(double));
     if (!count || !columns || *count > most) return refuse("its shape is larger than any file");
-    layout_ = shape.size() > 1 ? find_layout(form_, *columns) : form_.layouts.size();
+    layout_ = find_layout(form_, *columns); // 1 column of an array of one dimension
     if (layout_ == form_.layouts.size()) layout_ = find_layout(form_, *count);
     if (*count == 0) {
         return fail(ErrorCode::malformed_file, concat("no row of ", form_.layouts[0], " in it"),

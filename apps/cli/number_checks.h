@@ -22,6 +22,19 @@ inline CLI::Validator not_negative()
             "NONNEGATIVE"};
 }
 
+/// Within the bounds, and so no NaN, which CLI::Range takes.
+inline CLI::Validator number_between(double least, double most)
+{
+    return {[least, most](std::string& text) {
+                double value = 0;
+                const bool is_number = CLI::detail::lexical_cast(text, value);
+                return is_number && value >= least && value <= most
+                           ? std::string()
+                           : fmt::format("{} is no number from {:g} to {:g}", text, least, most);
+            },
+            fmt::format("in [{:g} - {:g}]", least, most)};
+}
+
 /// For whole numbers: the argument parser would take 010 for eight, and 0x10 for a number.
 inline CLI::Validator decimal()
 {

@@ -8,7 +8,8 @@
 // What numpy.savetxt and pandas write by default is read: a header behind #, an unnamed column of
 // row numbers. A first line 0,1,2, which pandas writes for columns without names, is a header where
 // every other number of the text has a decimal point or an exponent, as those of floats have. A .npy file holds one array of floats or whole numbers of any size, in C or Fortran
-// order, of shape (rows, columns); (rows, 3, 4) has 12 columns, and a single row may be of any shape.
+// order, of shape (rows, columns); (rows, 3, 4) has 12 columns, (rows) has one where a table may
+// have one, and a single row may be of any shape.
 #pragma once
 
 #include "proxima/execution.h"

@@ -166,7 +166,7 @@ Result<Image> draw_octree(const Octree& octree, const TriangleMesh& mesh,
     } else {
         for (const Leaf& leaf : leaves) show(leaf.box);
         // With a volume the whole mesh is shown, its leaves are not all there.
-        if (options.volume != nullptr) shown = points_to_frame(mesh.positions());
+        if (options.volume != nullptr) shown = points_to_frame(mesh);
     }
     const auto camera = placed_camera(options.view, shown);
     if (!camera) return tl::unexpected(camera.error());

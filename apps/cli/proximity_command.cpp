@@ -4,6 +4,7 @@
 #include "cli/commands.h"
 #include "cli/model_options.h"
 #include "cli/names.h"
+#include "cli/number_checks.h"
 #include "cli/plot.h"
 #include "cli/proximity_command_options.h"
 #include "index/lists/grow_cells.h"
@@ -180,7 +181,7 @@ Command add_proximity_command(CLI::App& app)
         ->add_option("--flat", options->flat,
                      "With --method thesis: edges are flat, without a region of their own, where 1 "
                      "- cos of the faces' angle is below this (1e-5 gives the thesis's 4850 edges)")
-        ->check(CLI::Range(0.0, 1.0))
+        ->check(number_between(0.0, 1.0))
         ->type_name("C");
     add_list_budget_option(*parser, options->lists_mb);
     add_budget_option(*parser, options->budget_mb,
@@ -202,6 +203,7 @@ Command add_proximity_command(CLI::App& app)
             "--histogram", options->histograms,
             "Write how long the lists of leaves are, by volume (thesis: of outer cells, by "
             "number): .csv, .svg, .pdf, .png")
+        ->allow_extra_args(false)
         ->type_name("FILE");
     parser
         ->add_option("--budget-curve", options->budget_curves,
@@ -211,6 +213,7 @@ Command add_proximity_command(CLI::App& app)
         ->excludes("--save")
         ->excludes("--out")
         ->excludes("--histogram")
+        ->allow_extra_args(false)
         ->type_name("FILE");
     parser->parse_complete_callback([parser, options] { settle(*parser, *options); });
     return {parser, [options](Session& session) { return run_proximity(*options, session); }};

@@ -91,8 +91,8 @@ Result<std::unique_ptr<Casting>> prepare(const RaycastOptions& options, Session&
         casting->rays = RayList(std::move(*rays));
     } else {
         casting->size = options.camera.size;
-        const auto camera = placed_camera(for_model(options.camera, options.model),
-                                          points_to_frame(casting->mesh.positions()));
+        const auto camera =
+            placed_camera(for_model(options.camera, options.model), points_to_frame(casting->mesh));
         if (!camera) return at_model(camera.error(), options.model);
         casting->rays = RayList(*camera, casting->size);
     }

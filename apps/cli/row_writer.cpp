@@ -37,7 +37,7 @@ Status check_outputs_or_stdout(const std::string& path, Session& session,
     std::vector<std::string> files = others;
     if (path != to_stdout) files.push_back(path);
     if (path != to_stdout || session.options().json != to_stdout)
-        return session.check_outputs(files);
+        return session.check_outputs(files, path == to_stdout);
     return fail(ErrorCode::invalid_argument,
                 "--json and --out would both write to stdout: give one of them a file", to_stdout);
 }

@@ -260,7 +260,7 @@ Command add_sdf_command(CLI::App& app)
                      "With the direction in which the distance grows, in a .vti file");
     parser->add_flag("--methods", options->methods, "With how each sign was found, in a .vti file");
     add_budget_option(*parser, options->budget_mb,
-                      "Memory for the grid (default: half of the machine's)");
+                      "Memory for the grid, in 10^6 bytes (default: 3/4 of the machine's)");
     parser
         ->add_option("--out", options->out,
                      "Write the grid: .npy, an array of float64 by x, y, z; .vti, an image of VTK "

@@ -158,8 +158,9 @@ Status Session::check_running() const
     return fail(ErrorCode::cancelled, "stopped on request; nothing more was written");
 }
 
-Status Session::check_outputs(const std::vector<std::string>& files)
+Status Session::check_outputs(const std::vector<std::string>& files, bool rows_on_stdout)
 {
+    const bool uses_stdout = rows_on_stdout || options_.json == to_stdout || !options_.quiet;
     std::vector<std::string> seen;
     const auto check = [&](const std::string& path) -> Status {
         if (path.empty()) return {};
@@ -169,10 +170,10 @@ Status Session::check_outputs(const std::vector<std::string>& files)
                         "two outputs would go to this file: give each a name of its own", path);
         }
         seen.push_back(file);
-        if (!options_.quiet && is_where_stdout_goes(path)) {
+        if (uses_stdout && is_where_stdout_goes(path)) {
             return fail(ErrorCode::invalid_argument,
-                        "stdout goes there, and so does the report: name another file, or take "
-                        "--json - or --quiet",
+                        "stdout goes there, and so does other output: name another file, or, where "
+                        "that is the report alone, take --quiet",
                         path);
         }
         auto output = OutputFile::create(path); // thrown away uncommitted

@@ -87,9 +87,12 @@ public:
     /// What would go wrong with writing to --json and to `files`: to be asked before long work, so
     /// that a wrong folder does not cost its result. Empty names are left out. Errors:
     /// invalid_argument (two outputs that are one file, a file that another argument names as well,
-    /// or stdout for other than --json), file_not_writable, cancelled. A pipe is kept open from here
-    /// on, as its reader would take closing it for the end of the output.
-    [[nodiscard]] Status check_outputs(const std::vector<std::string>& files);
+    /// stdout for other than --json, or the file that stdout goes to while there is something to be
+    /// written there: the report, JSON, or, with `rows_on_stdout`, rows of answers),
+    /// file_not_writable, cancelled. A pipe is kept open from here on, as its reader would take
+    /// closing it for the end of the output.
+    [[nodiscard]] Status check_outputs(const std::vector<std::string>& files,
+                                       bool rows_on_stdout = false);
 
 private:
     [[nodiscard]] Status check_inputs(const std::vector<std::string>& outputs) const;

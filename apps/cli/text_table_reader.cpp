@@ -71,11 +71,13 @@ std::string name_of_field(std::string_view field)
     return name;
 }
 
-/// Whether a field is a number, or meant to be one.
+/// Whether a field is a number, or meant to be one. "inf" is, "info" is a name.
 bool begins_number(std::string_view field)
 {
     double value = 0;
-    return detail::parse_real(field.data(), field.data() + field.size(), value) != nullptr;
+    const char* const end = field.data() + field.size();
+    const char* const after = detail::parse_real(field.data(), end, value);
+    return after != nullptr && (std::isfinite(value) || after == end);
 }
 
 /// Whether a number is written without a point and an exponent.

@@ -122,10 +122,9 @@ Status write_answers(const Answers& answers, std::size_t answered, const std::st
 
 Status run_thesis_closest(const ThesisClosestOptions& options, Session& session)
 {
-    if (Status status = check_rows(options.out, session); !status) return status;
+    if (Status status = check_rows(options.out, session, {options.save}); !status) return status;
     if (Status status = check_extension(options.save, thesis_proximity_extension); !status)
         return status;
-    if (Status status = session.check_outputs({options.save}); !status) return status;
     const auto table = read_points(options.points, session);
     if (!table) return tl::unexpected(table.error());
     const auto searcher = prepare(options, session);

@@ -61,13 +61,13 @@ bool same(const Box& a, const Box& b)
     return a.lower == b.lower && a.upper == b.upper;
 }
 
-/// Vertices of all models: so many that what is left out is seen to fit as well.
-std::vector<Vec3> some_positions(const ViewModels& models)
+/// Of all models.
+std::vector<Vec3> points_to_frame(const ViewModels& models)
 {
     std::vector<Vec3> positions;
     for (const auto& model : models) {
-        const std::vector<Vec3> some = points_to_frame(model->mesh.positions());
-        positions.insert(positions.end(), some.begin(), some.end());
+        const std::vector<Vec3> used = points_to_frame(model->mesh);
+        positions.insert(positions.end(), used.begin(), used.end());
     }
     return positions;
 }
@@ -340,7 +340,7 @@ void Viewer::frame(const Box& box)
     camera_.up = options_.camera.up.value_or(models_.front()->up);
     // Around a box models are smaller than the picture: they are shown as large as they are.
     camera_ = same(box, bounding_box(models_))
-                  ? framed(camera_, some_positions(models_), size_)
+                  ? framed(camera_, points_to_frame(models_), size_)
                   : framed(camera_, corners(box), size_, Framing::centered);
     camera_is_set_ = false;
     awaits_focus_ = false;
@@ -352,7 +352,7 @@ void Viewer::place_camera()
     if (!choice.eye && !choice.target) return;
     choice.camera = camera_;
     choice.size = size_;
-    auto placed = placed_camera(choice, some_positions(models_));
+    auto placed = placed_camera(choice, points_to_frame(models_));
     choice.eye = choice.target = std::nullopt;
     if (!placed) {
         loading_error_ = std::move(placed.error());

@@ -156,6 +156,12 @@ class Files(ProgramTest):
         many = [tuple(random.Random(i).uniform(-2, 2) for _ in range(3)) for i in range(30_000)]  # several pieces
         self.assertTrue(self.noted("0,1,2\n" + csv_text(many))[0] == self.answers("plain.csv", csv_text(many)))
 
+    def test_names_that_begin_as_nan_or_inf_are_a_header(self):
+        expected = self.answers("plain.csv", csv_text(self.POINTS))
+        for name in ("nanoseconds", "info", "Infinity_norm", "-inf_"):
+            text = f"{name},x,y,z\n" + "".join("7," + line + "\n" for line in csv_text(self.POINTS).splitlines())
+            self.assertEqual(self.answers("named.csv", text), expected, name)
+
     def test_numbered_columns_are_a_row_where_others_have_whole_numbers(self):
         for rest in ("", "5,7,1\n", "0.5,0.25,2\n", "0.5,0.25,2.0\n-3,0.125,0.0\n", "0.5,0.25,2.0\n" * 20_000 + "0.5,+3,1.0\n"):
             answers, note = self.noted("0,1,2\n" + rest)

@@ -193,6 +193,23 @@ class Octree(ProgramTest):
         result = run("octree", "cube", "--json", "/dev/stdout", "--quiet")
         self.assertEqual(json.loads(result.stdout)["triangles"], 12)
 
+    def test_no_output_goes_where_other_results_on_stdout_go(self):
+        out, points = self.folder / "o.csv", ("closest", "cube", "--point", "2,2,2")
+        for arguments in ((*points, "--out", out, "--json", "-"), (*points, "--json", out, "--out", "-"),
+                          ("intersect", "cube", "cube", "--out", "-", "--pairs", out),
+                          ("cull", "cube", "--plane", "1,0,0,0", "--out", "-", "--json", out),
+                          ("closest", "octahedron", "--method", "thesis", "--point", "2,2,2", "--out", "-", "--json", out)):
+            for quiet in ((), ("--quiet",)):
+                with self.subTest(arguments + quiet):
+                    with open(out, "wb") as file:
+                        result = run(*arguments, *quiet, stdout=file)
+                    self.assertEqual(result.returncode, 1)
+                    self.assertIn("stdout goes there, and so does other output: name another file", result.stderr)
+                    self.assertEqual(out.read_bytes(), b"")
+        with open(out, "wb") as file:
+            self.assertEqual(run(*points, "--out", out, "--quiet", stdout=file).returncode, 0)
+        self.assertEqual(len(out.read_text().splitlines()), 2)
+
     def test_a_name_that_is_too_long_is_refused_before_the_work(self):
         self.succeed("octree", "cube", "--save", self.folder / ("a" * 251 + ".pxo"))
         long = self.folder / ("a" * 252 + ".pxo")

@@ -5,7 +5,7 @@ import unittest
 from bad_input_test import off
 from proxima_program import ProgramTest
 
-TIME_KEYS = ["a", "b", "triangles_a", "triangles_b", "build_seconds", "center", "displacement", "turn", "contact", "evidence",
+TIME_KEYS = ["a", "b", "triangles_a", "triangles_b", "build_seconds", "rotation_error", "center", "displacement", "turn", "contact", "evidence",
              "free_until", "touches_at", "free_pose", "distance", "point_a", "point_b", "triangle_a", "triangle_b", "normal", "steps",
              "seconds"]
 POSE_KEYS = ["method", "lower", "upper", "direction", "translation", "deepest", "depth_seconds", "regions", "region_seconds"]
@@ -53,6 +53,15 @@ class ContactTime(ProgramTest):
         cut = self.json_of("contact-time", wall, bar, "--to", "0,0,0", "--center", "0,0,0", "--turn", "0,0,1,360", "--max-steps", "1")
         self.assertEqual((cut["evidence"], cut["touches_at"], cut["steps"]), ("steps", None, 1))
 
+    def test_rounded_rotations_are_named(self):
+        turn = "0.7071,-0.7071,0,0,0.7071,0.7071,0,0,0,0,1,4"
+        for poses in (("--from", "0,0,4", "--to", turn), ("--from", turn, "--to", "0,0,0")):
+            found = self.json_of("contact-time", "cube", "cube", *poses)
+            self.assertTrue(1e-5 < found["rotation_error"] < 1e-3)
+            self.assertIn("nearest rotations", self.succeed("contact-time", "cube", "cube", *poses))
+        found = self.json_of("contact-time", "cube", "cube", "--from", "0,0,4", "--to", "0,0,0@0,0,1,45")
+        self.assertEqual(found["rotation_error"], 0)
+
     def test_bad_options(self):
         for options, says in ((["--turn", "0,0,0,3"], "axis"), (["--turn", "1,2"], "AX,AY,AZ"), (["--center", "1"], "X,Y,Z"),
                               (["--turn", "0,0,1,1e9"], "radians")):
@@ -61,7 +70,8 @@ class ContactTime(ProgramTest):
             self.refuse("contact-time", "cube", "cube", f"--to={pose}", says="finite")
         self.refuse("contact-time", "cube", "cube", status=2, says="--to")
         self.refuse("contact-time", "cube", "cube", "--to", "-1", says=("-1: is no pose", "No such file", "TX,TY,TZ"))
-        self.refuse("contact-time", "cube", "cube", "--to", "1,0,0", "--tolerance", "-1", status=2, says="--tolerance")
+        for tolerance in ("-1", "1.5", "nan"):
+            self.refuse("contact-time", "cube", "cube", "--to", "1,0,0", "--tolerance", tolerance, status=2, says="--tolerance")
         self.refuse("contact-time", "cube", "cube", "--to", self.file("two.csv", "1,0,0\n2,0,0\n"), says="one pose")
 
 

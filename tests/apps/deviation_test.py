@@ -115,11 +115,24 @@ class Measuring(ProgramTest):
         self.assertLess(min(inside), -0.1)
 
 
+    def test_a_histogram_of_equal_meshes_has_one_bin(self):
+        for options, header, share in (((), "from,to,A to B,B to A", "0,0,1,1"), (("--one-sided",), "from,to,A to B", "0,0,1")):
+            table = self.file("h.csv", "of an earlier run")
+            text = self.succeed("deviation", "cube", "cube", "--histogram", table, *options)
+            self.assertIn(f"wrote {table}", text)
+            self.assertEqual(table.read_text(), f"{header}\n{share}\n")
+        result = self.json_of("deviation", "cube", "cube", "--histogram", self.folder / "h.svg")
+        self.assertEqual((result["histogram_end"], result["a_to_b"]["histogram"]), (0, [1]))
+        self.assertNotIn("nan", (self.folder / "h.svg").read_text())
+
+
 class RefusingDeviation(ProgramTest):
     def test_bad_options(self):
         self.refuse("deviation", "cube", status=2, says="B")
         self.refuse("deviation", "cube", "cube", "--tolerance", "-1", status=2, says="--tolerance")
         self.refuse("deviation", "cube", "cube", "--tolerance", "nan", status=2, says="tolerance")
+        for splits in ("-1", "12345678901234567890123"):
+            self.refuse("deviation", "cube", "cube", "--max-splits", splits, status=2, says="--max-splits")
         self.refuse("deviation", "cube", "cube", "--bins", "0", status=2, says="--bins")
         self.refuse("deviation", "cube", "cube", "--places", "257", status=2, says="--places")
         self.refuse("deviation", "cube", "cube", "--place-spacing", "nan", status=2, says="spacing")
@@ -128,13 +141,13 @@ class RefusingDeviation(ProgramTest):
         self.refuse("deviation", "cube", "cube", "--pose", "1,2", says="pose")
         self.refuse("deviation", "cube", "none.obj", says="none.obj")
 
-    def test_equal_meshes_have_no_histogram_and_all_else(self):
-        histogram, coloured = self.folder / "a.csv", self.folder / "a.ply"
-        result = run("deviation", "cube", "cube", "--histogram", histogram, "--out", coloured)
-        self.assertEqual(result.returncode, 0, result.stderr)
-        self.assertIn("a.csv is not written: all distances are 0", result.stderr)
-        self.assertNotIn("a.csv", result.stdout)
-        self.assertTrue(coloured.exists() and not histogram.exists())
+    def test_a_histogram_without_an_area_is_refused(self):
+        points = self.file("points.ply", "ply\nformat ascii 1.0\nelement vertex 2\nproperty float x\nproperty float y\n"
+                           "property float z\nend_header\n0 0 0\n3 4 5\n")
+        histogram, arguments = self.folder / "a.csv", ("deviation", points, "cube", "--points-and-lines")
+        self.refuse(*arguments, "--one-sided", "--histogram", histogram, says=("a.csv", "no area", "leave --histogram out"))
+        self.assertIn("wrote", run(*arguments, "--histogram", histogram).stdout)  # the cube has one
+        self.assertEqual(histogram.read_text().splitlines()[0], "from,to,B to A")
 
 
 if __name__ == "__main__":

@@ -322,7 +322,8 @@ class Refusing(ProgramTest):
         self.refuse("proximity", "cube", "--method", "magic", status=2, says=("magic", "thesis"))
         for depth in ("20", "-1", "x", "3-1"):
             self.refuse(*THESIS, "cube", f"--depth={depth}", status=2, says="--depth")
-        self.refuse(*THESIS, "cube", "--margin", "-1", status=2, says="--margin")
+        for name, value in (("--margin", "-1"), ("--flat", "1.5"), ("--flat", "nan")):
+            self.refuse(*THESIS, "cube", name, value, status=2, says=name)
         self.refuse(*THESIS, "cube", "--threshold", 3, "--threshold-edge", 2, status=2, says="--threshold")
 
     def test_outputs(self):
@@ -331,6 +332,11 @@ class Refusing(ProgramTest):
         self.refuse(*THESIS, "cube", "--histogram", "-", says="-")
         twice = self.folder / "h.csv"
         self.refuse(*THESIS, "cube", "--histogram", twice, "--histogram", twice, says="h.csv")
+
+    def test_a_model_may_stand_behind_them(self):
+        for option in ("--histogram", "--budget-curve", "--out"):
+            out = self.folder / ("a.vtu" if option == "--out" else "a.csv")
+            self.assertEqual(self.json_of("proximity", option, out, "octahedron")["model"], "octahedron")
 
     def test_a_budget_too_small(self):
         self.refuse(*THESIS, "sphere:50x50", "--depth", 8, "--budget-mb", 30, says=("sphere:50x50", "budget"))

@@ -188,6 +188,18 @@ class Pictures(ProgramTest):
                 self.assertIn((252, 255, 164), pixels, "the largest weights are as light as can be")
                 self.assertGreater(sum(pixel[0] > middle[0] for pixel in pixels), 10, "the rim is lighter")
 
+    def test_frame_every_vertex_that_a_triangle_uses_and_no_other(self):
+        # One large triangle, whose corners are three of 20,000 vertices, among triangles that are too small to be seen.
+        for far_and_unused in (False, True):
+            points = [(1e-5 * (i % 3 == 1), 1e-5 * (i % 3 == 2), 0.0) for i in range(20001)]
+            points[5001:5004] = (0.0, 0.0, 0.0), (9.0, 0.0, 0.0), (0.0, 3.0, 0.0)
+            faces = [(i, i + 1, i + 2) for i in range(0, 20001, 3) if i != 10002]
+            if far_and_unused:
+                points[10002:10005] = [(0.0, 400.0, 0.0)] * 3
+            out = self.succeed("raycast", self.file("m.off", off(points, faces)), "--view", "front", "--size", "90x30", "--out", "-")
+            columns = {int(row["index"]) % 90 for row in csv.DictReader(io.StringIO(out)) if row["triangle"] != "-1"}
+            self.assertTrue(0 < min(columns) < 10 and 75 < max(columns) < 89, (far_and_unused, columns))
+
     def test_show_the_same_as_other_commands(self):
         """One camera for all pictures: where a ray misses, view and octree draw their background."""
         rng = random.Random(23)
@@ -235,7 +247,7 @@ class Refusing(ProgramTest):
                 (["--rays", rays, "--out", "-", "--json", "-"], "stdout")):
             self.refuse("raycast", "cube", *arguments, says=says)
         for option, value in (("--size", "4"), ("--size", "0x4"), ("--size", "99999x4"), ("--view", "fornt"), ("--view", "0,91"),
-                              ("--eye", "1,2"), ("--target", "a,b,c"), ("--up", "w"), ("--up", "0,0,0"), ("--fov", "180"),
+                              ("--eye", "1,2"), ("--target", "a,b,c"), ("--up", "w"), ("--up", "0,0,0"), ("--fov", "180"), ("--fov", "nan"),
                               ("--depth", "99")):
             self.refuse("raycast", "cube", "--picture", out, option, value, status=2, says=option)
         self.refuse("raycast", "cube", "--picture", out, "--view", "top", "--eye", "1,2,3", status=2, says=("--view", "--eye"))

@@ -6,7 +6,7 @@ import random
 import unittest
 
 from intersect_test import turned
-from npy_tables import read_npy
+from npy_tables import npy, read_npy
 from proxima_program import ProgramTest, run
 
 KEYS = ["models", "triangles", "instances", "query", "queries", "found", "seconds", "ns_per_query", "index_seconds", "build_seconds",
@@ -122,7 +122,12 @@ class Asking(SceneTest):
         which = [self.random.randrange(2) for _ in self.poses]
         shapes = self.file("shapes.txt", "model\n" + "".join(f"{i}\n" for i in which))
         ray = "0,0,9,0,0,-1"
-        self.succeed("scene", *self.models, "--poses", self.table, "--shapes", shapes, "--ray", ray)
+        answers = self.succeed("scene", *self.models, "--poses", self.table, "--shapes", shapes, "--ray", ray)
+        for shape in ("(40,)", "(40, 1)"):
+            array = self.file("shapes.npy", npy([(i,) for i in which], "<i8", shape=shape))
+            self.assertEqual(self.succeed("scene", *self.models, "--poses", self.table, "--shapes", array, "--ray", ray), answers)
+        array = self.file("shapes.npy", npy([(i,) for i in which], "<i8", shape="(1, 40)"))
+        self.refuse("scene", *self.models, "--poses", self.table, "--shapes", array, "--ray", ray, says="40 columns")
         first = self.json_of("scene", *self.models, "--poses", "0,0,0", "--shapes", self.file("one.txt", "1\n"), "--point", "1,1,1")
         self.assertEqual(first["found"], 1)
         far = list(csv.DictReader(self.succeed("scene", *self.models, "--poses", "0,0,0", "--shapes", self.folder / "one.txt", "--point",
