@@ -187,7 +187,7 @@ bounds, a pose that is not rigid, and numbers out of range.)")
              R"(Moves an object to a pose (3, 4) or (4, 4) within a time; 0 is at once.
 
     velocity       (3,) floats per second: of its origin from then on, for coast_seconds
-    spin           (3,) floats, radians per second about the scene's axes, likewise
+    spin           (3,) floats, radians per second about the scene's axes, at most 1e4 each, likewise
 
 Raises InvalidInput where it would leave the bounds.)")
         .def("exchange", &exchange, py::arg("object"), py::arg("model"), py::kw_only(),
