@@ -33,9 +33,6 @@ using detail::SurfaceComponent;
 constexpr std::size_t triangles_per_task = 8192;
 constexpr std::uint64_t stage_count = 5;
 
-// A volume below this part of the sum of its absolute terms may be rounding.
-constexpr double smallest_volume_ratio = 1e-12;
-
 bool is_finite(const Vec3& position) noexcept
 {
     return position.allFinite();
@@ -140,7 +137,6 @@ private:
         if (report_.bounds.empty()) return;
         const double extent = report_.bounds.extent().maxCoeff();
         const double reach = detail::reach_of(report_.bounds);
-        extent_ = extent;
         if (reach > detail::largest_safe_coordinate ||
             (extent > 0.0 && extent < detail::smallest_safe_extent)) {
             report_whole(FindingKind::extreme_scale, Severity::warning,
@@ -200,7 +196,7 @@ private:
 
     void find_equal_triangles()
     {
-        const std::vector<std::uint32_t> same_ids = first_duplicates(mesh_, topology_);
+        const std::vector<std::uint32_t> same_ids = first_duplicates(mesh_);
         const std::vector<std::uint32_t> same_positions = first_coincident(mesh_, same_position_);
         Tally duplicate(options_.max_ids);
         Tally coincident(options_.max_ids);
@@ -259,8 +255,10 @@ private:
 
     void examine_components()
     {
+        const double scale =
+            report_.bounds.empty() ? 1.0 : detail::unit_scale(detail::reach_of(report_.bounds));
         const std::vector<SurfaceComponent> components =
-            surface_components(mesh_, topology_, uses_, report_.bounds);
+            surface_components(mesh_, topology_, uses_, scale);
         report_.components = components.size();
         Tally inward(options_.max_ids);
         std::uint64_t outward = 0;
@@ -268,19 +266,14 @@ private:
         double volume = 0.0;
         for (const SurfaceComponent& component : components) {
             sealed = sealed && component.sealed;
-            volume += component.volume;
-            if (!component.sealed ||
-                std::abs(component.volume) <= smallest_volume_ratio * component.magnitude) {
-                continue;
-            }
-            if (component.volume > 0.0) {
-                ++outward;
-            } else {
-                inward.add(component.first_triangle);
-            }
+            volume += component.volume.volume;
+            if (!component.sealed) continue;
+            const int sign = component.volume.sign();
+            if (sign > 0) ++outward;
+            if (sign < 0) inward.add(component.first_triangle);
         }
         if (sealed) {
-            report_.signed_volume = volume * extent_ * extent_ * extent_;
+            report_.signed_volume = volume / 6 / scale / scale / scale;
             report_.orientation = inward.count() == 0 ? Orientation::outward
                                   : outward == 0      ? Orientation::inward
                                                       : Orientation::mixed;
@@ -360,7 +353,6 @@ private:
     const Topology& topology_;
     const MeshReportOptions& options_;
     MeshReport report_;
-    double extent_ = 0.0;
     std::vector<std::uint32_t> same_position_; ///< the first vertex at the position of each
     std::vector<EdgeUse> uses_;
     std::uint64_t open_edges_ = 0;

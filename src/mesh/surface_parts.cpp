@@ -1,6 +1,8 @@
 #include "mesh/surface_parts.h"
 
 #include "base/disjoint_sets.h"
+#include "mesh/coincidence.h"
+#include "mesh/equal_items.h"
 
 #include <algorithm>
 #include <cmath>
@@ -21,42 +23,6 @@ void for_neighbours(const TriangleMesh& mesh, const Topology& topology, const Vi
             previous = triangle;
         }
     }
-}
-
-/// Scales points so that the longest side of the bounds is 1, however small it was.
-class UnitBounds {
-public:
-    explicit UnitBounds(const Box& bounds) noexcept
-    {
-        if (bounds.empty()) return;
-        center_ = bounds.center();
-        const double extent = bounds.extent().maxCoeff();
-        if (!(extent > 0)) return;
-        constexpr double least = 0x1p-1000; // of what has an inverse
-        if (extent < least) enlarge_ = 1 / least;
-        scale_ = 1 / (extent * enlarge_);
-    }
-
-    [[nodiscard]] Vec3 operator()(const Vec3& p) const noexcept
-    {
-        return (p - center_) * enlarge_ * scale_;
-    }
-
-private:
-    Vec3 center_ = Vec3::Zero();
-    double enlarge_ = 1;
-    double scale_ = 1;
-};
-
-void add_volume(SurfaceComponent& component, const Triangle& triangle,
-                const UnitBounds& unit) noexcept
-{
-    const Vec3 a = unit(triangle[0]);
-    const Vec3 b = unit(triangle[1]);
-    const Vec3 c = unit(triangle[2]);
-    const double term = a.dot(b.cross(c)) / 6.0;
-    component.volume += term;
-    component.magnitude += std::abs(term);
 }
 
 } // namespace
@@ -119,35 +85,37 @@ std::vector<std::uint8_t> fan_counts(const TriangleMesh& mesh, const Topology& t
     return counts;
 }
 
-std::vector<std::uint32_t> first_duplicates(const TriangleMesh& mesh, const Topology& topology)
+std::vector<std::uint32_t> first_duplicates(const TriangleMesh& mesh)
 {
-    const auto ids = [&](TriangleId triangle) {
-        TriangleCorners corners = mesh.triangles()[to_index(triangle)];
-        std::sort(corners.begin(), corners.end());
-        return corners;
-    };
-    std::vector<std::uint32_t> first(mesh.triangle_count());
-    for (std::uint32_t id = 0; id < mesh.triangle_count(); ++id) {
-        first[id] = id;
-        if (!is_proper(mesh.triangles()[id])) continue;
-        // Equal triangles share all edges, so it is enough to look at the edge with the fewest
-        // triangles.
-        std::span<const TriangleId> around = topology.triangles(topology.edges(TriangleId{id})[0]);
-        for (const EdgeId edge : topology.edges(TriangleId{id})) {
-            const auto others = topology.triangles(edge);
-            if (others.size() < around.size()) around = others;
-        }
-        const TriangleCorners own = ids(TriangleId{id});
-        const auto found = std::find_if(around.begin(), around.end(), [&](TriangleId other) {
-            return other == TriangleId{id} || ids(other) == own;
+    const std::span<const TriangleCorners> triangles = mesh.triangles();
+    return first_equal_items(
+        static_cast<std::uint32_t>(triangles.size()),
+        [&](std::uint32_t i) { return is_proper(triangles[i]); },
+        [&](std::uint32_t i) { return hash_of(sorted_corners(triangles[i])); },
+        [&](std::uint32_t a, std::uint32_t b) {
+            return sorted_corners(triangles[a]) == sorted_corners(triangles[b]);
         });
-        first[id] = to_index(*found);
-    }
-    return first;
+}
+
+double unit_scale(double reach) noexcept
+{
+    constexpr int most = 1000; // so that the scale is finite
+    return reach > 0 ? std::ldexp(1.0, std::clamp(-std::ilogb(reach) - 1, -most, most)) : 1.0;
+}
+
+void VolumeSum::add(const Triangle& triangle, const Vec3& origin, double scale,
+                    bool turned) noexcept
+{
+    const Vec3 a = triangle[0] * scale;
+    const Vec3 normal = (triangle[1] * scale - a).cross(triangle[2] * scale - a);
+    const Vec3 from_origin = a - origin * scale;
+    const double term = from_origin.dot(normal);
+    volume += turned ? -term : term;
+    magnitude += from_origin.norm() * normal.norm();
 }
 
 std::vector<SurfaceComponent> surface_components(const TriangleMesh& mesh, const Topology& topology,
-                                                 std::span<const EdgeUse> uses, const Box& bounds)
+                                                 std::span<const EdgeUse> uses, double scale)
 {
     const auto count = static_cast<std::uint32_t>(mesh.triangle_count());
     DisjointSets sets(count);
@@ -157,7 +125,6 @@ std::vector<SurfaceComponent> surface_components(const TriangleMesh& mesh, const
 
     std::vector<SurfaceComponent> components;
     std::vector<std::uint32_t> number(count, 0);
-    const UnitBounds unit(bounds);
     for (std::uint32_t id = 0; id < count; ++id) {
         if (!is_proper(mesh.triangles()[id])) continue;
         const std::uint32_t root = sets.find(id); // the lowest id: its number is known
@@ -166,11 +133,13 @@ std::vector<SurfaceComponent> surface_components(const TriangleMesh& mesh, const
             components.push_back({.first_triangle = id});
         }
         number[id] = number[root];
+        SurfaceComponent& component = components[number[id]];
         const Triangle triangle = mesh.triangle(TriangleId{id});
         if (is_finite(triangle)) {
-            add_volume(components[number[id]], triangle, unit);
+            const TriangleId first{component.first_triangle};
+            component.volume.add(triangle, mesh.triangle(first)[0], scale);
         } else {
-            components[number[id]].sealed = false;
+            component.sealed = false;
         }
     }
     for (std::uint32_t id = 0; id < topology.edge_count(); ++id) {

@@ -7,6 +7,7 @@
 #include "proxima/topology.h"
 #include "proxima/triangle_mesh.h"
 
+#include <cmath>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -49,21 +50,41 @@ struct EdgeUse {
                                                    const Topology& topology);
 
 /// For every proper triangle the first one with the same three vertex ids, itself for the others.
-[[nodiscard]] std::vector<std::uint32_t> first_duplicates(const TriangleMesh& mesh,
-                                                          const Topology& topology);
+[[nodiscard]] std::vector<std::uint32_t> first_duplicates(const TriangleMesh& mesh);
+
+/// A power of two that brings coordinates up to `reach` to at most 1, or as near as doubles allow.
+[[nodiscard]] double unit_scale(double reach) noexcept;
+
+/// Sums up the volume of a closed surface from its triangles.
+struct VolumeSum {
+    double volume = 0;    ///< signed, six times that of the scaled surface
+    double magnitude = 0; ///< what the terms would sum up to, were all triangles seen straight on
+
+    /// `origin` is a vertex of the surface: from farther away, rounding would hide small surfaces.
+    /// `turned` negates the term exactly.
+    void add(const Triangle& triangle, const Vec3& origin, double scale,
+             bool turned = false) noexcept;
+
+    /// 1 or -1, 0 where the volume may be mere rounding.
+    [[nodiscard]] int sign() const noexcept
+    {
+        constexpr double smallest_ratio = 1e-12;
+        if (!(std::abs(volume) > smallest_ratio * magnitude)) return 0;
+        return volume > 0 ? 1 : -1;
+    }
+};
 
 /// A set of proper triangles that edges connect.
 struct SurfaceComponent {
     std::uint32_t first_triangle = 0; ///< the lowest
     bool sealed = true;               ///< closed, consistently oriented, and all positions finite
-    double volume = 0.0;    ///< signed, in units of the cube of the longest side of the bounds
-    double magnitude = 0.0; ///< sum of the absolute terms of the volume
+    VolumeSum volume{};               ///< of its finite triangles
 };
 
-/// All components, by first triangle. `bounds` are those of the finite positions in use.
+/// All components, by first triangle. `scale` is that of their volumes.
 [[nodiscard]] std::vector<SurfaceComponent> surface_components(const TriangleMesh& mesh,
                                                                const Topology& topology,
                                                                std::span<const EdgeUse> uses,
-                                                               const Box& bounds);
+                                                               double scale);
 
 } // namespace proxima::detail

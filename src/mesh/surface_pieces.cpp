@@ -11,9 +11,6 @@ namespace proxima::detail {
 
 namespace {
 
-// A volume below this part of the sum of its absolute terms may be rounding.
-constexpr double smallest_volume_ratio = 1e-12;
-
 class PieceFinder {
 public:
     PieceFinder(const TriangleMesh& mesh, const Topology& topology, std::span<const EdgeUse> uses,
@@ -164,7 +161,6 @@ private:
     std::vector<std::pair<std::uint32_t, int>> ways_; ///< of one edge: piece, and 1 or -1
 };
 
-/// A power of two that brings all coordinates in use to at most 1, or as near as doubles allow.
 double scale_of(const TriangleMesh& mesh)
 {
     double reach = 0;
@@ -172,15 +168,8 @@ double scale_of(const TriangleMesh& mesh)
         const double largest = position.cwiseAbs().maxCoeff();
         if (std::isfinite(largest)) reach = std::max(reach, largest);
     }
-    constexpr int most = 1000; // so that the scale is finite
-    return reach > 0 ? std::ldexp(1.0, std::clamp(-std::ilogb(reach) - 1, -most, most)) : 1.0;
+    return unit_scale(reach);
 }
-
-struct VolumeSum {
-    double volume = 0;
-    double magnitude = 0; ///< sum of the absolute terms
-    bool finite = true;
-};
 
 } // namespace
 
@@ -199,33 +188,25 @@ std::optional<SurfacePieces> find_surface_pieces(const TriangleMesh& mesh, const
 
 std::vector<int> volume_signs_of(const TriangleMesh& mesh, const SurfacePieces& surface)
 {
-    // Turning a triangle over negates its term exactly, for corner 0 stays: the sign of a piece
-    // turned over as a whole is that of the piece negated, whatever was rounded.
+    // Turning a triangle over negates its term exactly: the sign of a piece turned over as a whole
+    // is that of the piece negated, whatever was rounded.
     const double scale = scale_of(mesh);
     std::vector<VolumeSum> sums(surface.pieces.size());
+    std::vector<bool> finite(surface.pieces.size(), true);
     for (std::uint32_t id = 0; id < mesh.triangle_count(); ++id) {
         const std::uint32_t number = surface.piece_of[id];
         if (number == no_piece || !surface.pieces[number].closed) continue;
         const Triangle triangle = mesh.triangle(TriangleId{id});
-        VolumeSum& sum = sums[number];
         if (!is_finite(triangle)) {
-            sum.finite = false;
+            finite[number] = false;
             continue;
         }
         const TriangleId first{surface.pieces[number].first_triangle};
-        const Vec3 origin = mesh.triangle(first)[0] * scale;
-        const Vec3 a = triangle[0] * scale - origin;
-        const Vec3 b = triangle[1] * scale - origin;
-        const Vec3 c = triangle[2] * scale - origin;
-        const double term = a.dot(b.cross(c));
-        sum.volume += surface.turned[id] != 0 ? -term : term;
-        sum.magnitude += std::abs(term);
+        sums[number].add(triangle, mesh.triangle(first)[0], scale, surface.turned[id] != 0);
     }
     std::vector<int> signs;
-    for (const VolumeSum& sum : sums) {
-        const bool sure =
-            sum.finite && std::abs(sum.volume) > smallest_volume_ratio * sum.magnitude;
-        signs.push_back(!sure ? 0 : sum.volume > 0 ? 1 : -1);
+    for (std::size_t number = 0; number < sums.size(); ++number) {
+        signs.push_back(finite[number] ? sums[number].sign() : 0);
     }
     return signs;
 }

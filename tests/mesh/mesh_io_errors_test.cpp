@@ -57,6 +57,8 @@ TEST(MeshIoErrors, NameTheLineOrByteAndTheElement)
         {MeshFormat::obj, "v 0 0 0\nf 1 1\n", ":2", "2 corners"},
         {MeshFormat::obj, "v 0 0\n", ":1", "2 numbers"},
         {MeshFormat::obj, "v 0 0 0\nf 1 1 1x\n", ":2", "not an index"},
+        {MeshFormat::obj, "v 0 0 0\nf 1 1 9\ng g\nv 0 0 0\n", ":2", "a face uses vertex 9"},
+        {MeshFormat::obj, "v 0 0 0\nf 1 1 9\nl 1 1\n", ":2", "a face uses vertex 9"},
         {MeshFormat::obj, "v 0 0 0\nface 1 1 1\n", ":2", "\"face\""},
         {MeshFormat::obj, "v 0 0 0\nsurf 0 1 0 1 1 2 3\n", ":2", "free-form"},
         {MeshFormat::off, "OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 3\n", ":6", "uses vertex 3"},
@@ -94,6 +96,78 @@ TEST(MeshIoErrors, NameTheLineOrByteAndTheElement)
         }
         EXPECT_NE(error.message.find(test.part), std::string::npos) << error.message;
     }
+}
+
+// Of such a file a reader would see one line.
+TEST(MeshIoErrors, RefuseSingleCarriageReturnsAsLineEnds)
+{
+    const std::pair<MeshFormat, std::string> files[] = {
+        {MeshFormat::xyz, "1 2 3\n4 5 6\n7 8 9\n"},
+        {MeshFormat::obj, "# four\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n"},
+        {MeshFormat::obj, "o part\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n"},
+        {MeshFormat::off, "# by hand\nOFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n"},
+        {MeshFormat::ply, "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\n"
+                          "property float y\nproperty float z\nelement face 1\nproperty list "
+                          "uchar int vertex_indices\nend_header\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n"},
+        {MeshFormat::stl, "solid part\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\n"
+                          "vertex 0 1 0\nendloop\nendfacet\nendsolid\n"},
+    };
+    const auto with_ends = [](const std::string& text, std::string_view end) {
+        std::string result;
+        for (const char letter : text) {
+            if (letter == '\n') {
+                result += end;
+            } else {
+                result += letter;
+            }
+        }
+        return result;
+    };
+    const ReadOptions points_too{.primitives = Primitives::points_and_lines};
+    for (const auto& [format, text] : files) {
+        const std::string returns = with_ends(text, "\r");
+        // Some editors end such a file by a line feed.
+        for (const std::string& bad :
+             {returns, returns + "\n", returns.substr(0, returns.size() - 1)}) {
+            const Error error = error_of(bad, format, points_too);
+            EXPECT_EQ(error.code, ErrorCode::malformed_file);
+            EXPECT_EQ(error.where, concat(format_name(format), " data"));
+            EXPECT_NE(error.message.find("single carriage returns"), std::string::npos)
+                << describe(error);
+        }
+        const auto as_is = read_text(text, format, points_too);
+        ASSERT_TRUE(as_is) << describe(as_is.error());
+        for (const char* const end : {"\r\n", "\r\r\n", "\n\r"}) {
+            if (format == MeshFormat::ply && end == std::string_view("\r\r\n")) continue;
+            const auto mesh = read_text(with_ends(text, end), format, points_too);
+            ASSERT_TRUE(mesh) << describe(mesh.error());
+            EXPECT_EQ(mesh->vertex_count(), as_is->vertex_count());
+            EXPECT_EQ(mesh->triangle_count(), as_is->triangle_count());
+        }
+    }
+    const auto one_line = read_text("1 2 3\r", MeshFormat::xyz, points_too);
+    ASSERT_TRUE(one_line) << describe(one_line.error());
+    EXPECT_EQ(one_line->vertex_count(), 1U);
+    EXPECT_TRUE(read_text("# a\rb\n1 2 3\n", MeshFormat::xyz, points_too));
+}
+
+// A binary body may have any bytes.
+TEST(MeshIoErrors, TakeCarriageReturnsInBinaryFiles)
+{
+    std::string stl(84 + 50, '\0');
+    stl[0] = 's';
+    stl[80] = 1;
+    for (std::size_t corner = 1; corner < 4; ++corner) {
+        for (std::size_t i = 0; i < 12; ++i) stl[84 + 12 * corner + i] = '\r';
+    }
+    const auto mesh = read_text(stl, MeshFormat::stl);
+    ASSERT_TRUE(mesh) << describe(mesh.error());
+    EXPECT_EQ(mesh->triangle_count(), 1U);
+    const auto ply = read_text("ply\nformat binary_little_endian 1.0\nelement vertex 1\nproperty "
+                               "char x\nproperty char y\nproperty char z\nend_header\n\r\r\r",
+                               MeshFormat::ply);
+    ASSERT_TRUE(ply) << describe(ply.error());
+    EXPECT_EQ(ply->vertex_count(), 1U);
 }
 
 TEST(MeshIoErrors, NameTheByteOfBinaryPly)

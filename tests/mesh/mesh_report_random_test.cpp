@@ -2,6 +2,7 @@
 #include "proxima/mesh_report.h"
 
 #include "mesh/random_soups.h"
+#include "mesh/surface_parts.h"
 #include "proxima/topology.h"
 
 #include <gtest/gtest.h>
@@ -180,6 +181,49 @@ TEST(MeshReportRandom, AgreesWithTheDefinitionsOnSoups)
         EXPECT_EQ(report->closed, expected.closed);
     }
     EXPECT_EQ(met.size(), 11U); // all but those of odd positions, and inward_components
+}
+
+TEST(MeshReportRandom, FindsTheFirstOfRepeatedTriangles)
+{
+    for (std::uint32_t seed = 0; seed < 300; ++seed) {
+        SCOPED_TRACE(seed);
+        std::mt19937 random(seed);
+        const std::uint32_t vertices = 3 + below(random, 6);
+        std::vector<TriangleCorners> triangles(below(random, 200));
+        for (TriangleCorners& corners : triangles) {
+            for (std::uint32_t& corner : corners) corner = below(random, vertices);
+        }
+        const TriangleMesh mesh =
+            *make_triangle_mesh(std::vector<Vec3>(vertices, Vec3::Zero()), triangles);
+        const std::vector<std::uint32_t> first = detail::first_duplicates(mesh);
+        ASSERT_EQ(first.size(), triangles.size());
+        for (std::uint32_t t = 0; t < triangles.size(); ++t) {
+            const Corners own = ids_of(triangles[t]);
+            std::uint32_t expected = t;
+            for (std::uint32_t other = 0; own.size() == 3 && other < expected; ++other) {
+                if (ids_of(triangles[other]) == own) expected = other;
+            }
+            EXPECT_EQ(first[t], expected);
+        }
+    }
+}
+
+// A search among all triangles at an edge takes a minute.
+TEST(MeshReportRandom, TakesManyRepeatedTriangles)
+{
+    constexpr std::uint32_t copies = 100'000;
+    const std::vector<Vec3> positions = {Vec3(0, 0, 0), Vec3(1, 0, 0), Vec3(0, 1, 0),
+                                         Vec3(0, 0, 1)};
+    std::vector<TriangleCorners> triangles;
+    for (const TriangleCorners& corners :
+         {TriangleCorners{0, 1, 2}, {0, 1, 3}, {0, 2, 3}, {1, 2, 3}}) {
+        triangles.insert(triangles.end(), copies, corners);
+    }
+    const auto report = report_mesh(*make_triangle_mesh(positions, triangles));
+    ASSERT_TRUE(report);
+    const MeshFinding* found = report->find(FindingKind::duplicate_triangles);
+    ASSERT_NE(found, nullptr);
+    EXPECT_EQ(found->count, 4 * (copies - 1));
 }
 
 TEST(MeshReportRandom, IsTheSameForAnyNumberOfThreads)

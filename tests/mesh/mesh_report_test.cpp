@@ -1,6 +1,7 @@
 #include "proxima/mesh_report.h"
 
 #include "mesh/mesh_drafts.h"
+#include "proxima/mesh_repair.h"
 #include "proxima/sample_meshes.h"
 #include "proxima/topology.h"
 
@@ -8,6 +9,7 @@
 
 #include <cmath>
 #include <limits>
+#include <random>
 
 namespace proxima::mesh_report_test {
 namespace {
@@ -62,6 +64,58 @@ TEST(MeshReport, MeasuresTheSamples)
     const MeshReport ship = report(*make_spaceship(2000));
     EXPECT_EQ(ship.components, 17U);
     EXPECT_EQ(ship.genus, 0);
+}
+
+TEST(MeshReport, KnowsTheSidesAndVolumesOfTinyParts)
+{
+    for (std::uint32_t seed = 0; seed < 40; ++seed) {
+        SCOPED_TRACE(seed);
+        std::mt19937 random(seed);
+        std::uniform_real_distribution<double> place(20, 30);
+        const auto anywhere = [&] {
+            const double x = place(random), y = place(random), z = place(random);
+            return Vec3(x, y, z);
+        };
+        Draft draft;
+        if (seed % 4 != 0) draft.add(make_cube(), Vec3::Zero(), 5);
+        const double side = seed % 2 == 0 ? 3e-5 : 1e-6;
+        for (int i = 0; i < 20; ++i) draft.add(make_cube(), anywhere(), side / 2);
+        const double volume = (seed % 4 != 0 ? 1000.0 : 0) + 20 * side * side * side;
+
+        const MeshReport found = report(draft);
+        EXPECT_EQ(kinds(found), Kinds{});
+        EXPECT_EQ(found.orientation, Orientation::outward);
+        EXPECT_NEAR(found.signed_volume.value(), volume, 1e-6 * volume);
+        const auto repair = repair_mesh(draft.mesh());
+        ASSERT_TRUE(repair);
+        EXPECT_EQ(repair->step(RepairStepKind::turn_outward).count, 0U);
+
+        for (TriangleCorners& corners : draft.triangles) std::swap(corners[1], corners[2]);
+        EXPECT_EQ(report(draft).orientation, Orientation::inward);
+        EXPECT_NEAR(report(draft).signed_volume.value(), -volume, 1e-6 * volume);
+    }
+}
+
+// Rounding alone gives such a part a volume.
+TEST(MeshReport, KnowsNoSideOfFlatParts)
+{
+    for (std::uint32_t seed = 0; seed < 20; ++seed) {
+        SCOPED_TRACE(seed);
+        std::mt19937 random(seed);
+        std::uniform_real_distribution<double> any(-1, 1);
+        const double x = any(random), y = any(random), z = any(random), w = any(random);
+        const Eigen::Matrix3d turn = Eigen::Quaterniond(w, x, y, z).normalized().matrix();
+        Draft draft = Draft().add(make_icosphere(2));
+        for (Vec3& position : draft.positions)
+            position = turn * Vec3(position.x(), position.y(), 0);
+        const MeshReport found = report(draft);
+        EXPECT_EQ(found.find(FindingKind::inward_components), nullptr);
+        EXPECT_EQ(found.orientation, Orientation::undefined);
+        EXPECT_NEAR(found.signed_volume.value(), 0, 1e-14);
+        const auto repair = repair_mesh(draft.mesh(), {.weld = false});
+        ASSERT_TRUE(repair);
+        EXPECT_EQ(repair->step(RepairStepKind::turn_outward).count, 0U);
+    }
 }
 
 TEST(MeshReport, DescribesAnEmptyMesh)

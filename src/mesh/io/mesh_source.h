@@ -3,6 +3,7 @@
 
 #include "base/progress.h"
 #include "proxima/execution.h"
+#include "proxima/result.h"
 
 #include <cstddef>
 #include <string>
@@ -19,6 +20,9 @@ struct MeshSource {
     [[nodiscard]] std::string at_line(const char* position) const;
     /// "name, byte 84", counted from 0.
     [[nodiscard]] std::string at_byte(const char* position) const;
+    /// Refuses text of which single carriage returns end the lines: it would read as one line.
+    /// Errors: malformed_file. O(first line).
+    [[nodiscard]] Status check_line_ends() const;
 };
 
 /// Tells the watcher how far the reader is and the reader whether to stop. One comparison per call,

@@ -41,6 +41,7 @@ public:
         }
         if (largest_index_ >= static_cast<std::int64_t>(mesh_.vertex_count())) {
             line_ = line_of_largest_;
+            element_ = element_of_largest_;
             (void)refuse_index(largest_index_ + 1);
             return tl::unexpected(error());
         }
@@ -162,6 +163,7 @@ private:
         if (vertex > largest_index_) {
             largest_index_ = vertex;
             line_of_largest_ = line_;
+            element_of_largest_ = element_;
         }
         corner = static_cast<std::uint32_t>(vertex);
         return true;
@@ -193,6 +195,7 @@ private:
     std::string_view element_; ///< of the line, for messages
     std::int64_t largest_index_ = -1;
     const char* line_of_largest_ = nullptr;
+    std::string_view element_of_largest_;
     std::vector<std::uint32_t> corners_;
 };
 
@@ -201,6 +204,7 @@ private:
 Result<TriangleMesh> read_obj(const MeshSource& source, const ReadOptions& options,
                               Vertices vertices)
 {
+    if (auto status = source.check_line_ends(); !status) return tl::unexpected(status.error());
     return ObjReader(source, options).read(vertices);
 }
 

@@ -188,6 +188,7 @@ private:
 Result<TriangleMesh> read_off(const MeshSource& source, const ReadOptions& options,
                               Vertices vertices)
 {
+    if (auto status = source.check_line_ends(); !status) return tl::unexpected(status.error());
     return OffReader(source, options).read(vertices);
 }
 

@@ -412,6 +412,7 @@ private:
 Result<TriangleMesh> read_ply(const MeshSource& source, const ReadOptions& options,
                               Vertices vertices)
 {
+    if (auto status = source.check_line_ends(); !status) return tl::unexpected(status.error());
     const auto header = read_ply_header(source);
     if (!header) return tl::unexpected(header.error());
     switch (header->body_kind) {

@@ -270,6 +270,7 @@ Result<TriangleMesh> read_stl(const MeshSource& source, const ReadOptions& optio
     const bool is_text =
         equals_any_case(start.word(), "solid") && source.text.find('\0') == std::string_view::npos;
     if (!is_text) return refuse_binary(source);
+    if (auto status = source.check_line_ends(); !status) return tl::unexpected(status.error());
     return TextReader(source, options, vertices).read();
 }
 

@@ -14,6 +14,7 @@
 #include <exception>
 #include <iterator>
 #include <memory>
+#include <new>
 #include <span>
 #include <string_view>
 #include <utility>
@@ -305,6 +306,8 @@ Result<TriangleMesh> read_with_assimp(const MeshSource& source, const std::files
         if (scene == nullptr || scene->mRootNode == nullptr ||
             (scene->mFlags & AI_SCENE_FLAGS_INCOMPLETE) != 0U) {
             const std::string_view reason = importer.GetErrorString();
+            // assimp keeps no more than the text of what its readers throw.
+            if (reason.find("bad_alloc") != std::string_view::npos) throw std::bad_alloc();
             return fail(ErrorCode::malformed_file,
                         reason.empty()
                             ? concat("this ", format_name(format), " file has no mesh in its scene")
@@ -320,6 +323,8 @@ Result<TriangleMesh> read_with_assimp(const MeshSource& source, const std::files
             return cancelled("reading", source.name);
         }
         return SceneReader(source, options, *scene, to_file_of(format)).read(vertices);
+    } catch (const std::bad_alloc&) {
+        throw; // is no flaw of the file
     } catch (const std::exception& exception) {
         return fail(ErrorCode::malformed_file,
                     concat("assimp cannot read this file: ", exception.what()), source.name);

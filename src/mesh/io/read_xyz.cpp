@@ -51,6 +51,7 @@ private:
 Result<TriangleMesh> read_xyz(const MeshSource& source, const ReadOptions& options,
                               Vertices vertices)
 {
+    if (auto status = source.check_line_ends(); !status) return tl::unexpected(status.error());
     return XyzReader(source, options).read(vertices);
 }
 
