@@ -117,7 +117,7 @@ struct MeanDeviation {
     DistanceBounds root_mean_square; ///< the root of the mean of their squares
     /// A's area, in the square of the meshes' unit; infinite or 0 where doubles cannot hold it.
     double area = 0;
-    double area_error = 0; ///< how far the area is from the true one at most; infinite where that is
+    double area_error = 0; ///< how far from the true one at most; infinite where the area is
     /// By bin: which share of A's area is at distances in it. An estimate without bounds, which is the
     /// better the smaller the tolerance is. Distances beyond histogram_end count in the last bin.
     std::vector<double> histogram;

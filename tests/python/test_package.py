@@ -87,7 +87,7 @@ def test_examples_write_files(tmp_path, name, out, written):
 
 
 def test_the_module_is_small_and_exports_its_beginning_only():
-    assert MODULE.stat().st_size < 4_000_000
+    assert MODULE.stat().st_size < 5_000_000  # with symbols or assimp it would have several times as much
     listed = subprocess.run(["nm", "-D", "--defined-only", MODULE], capture_output=True, text=True, check=True).stdout
     assert [line.split()[-1] for line in listed.splitlines()] == ["PyInit__core"]
 

@@ -301,7 +301,7 @@ typedef struct proxima_motion {
     double pose[12];      /* where the object will be */
     double seconds;       /* until then; 0: in the next tick */
     double velocity[3];   /* from then on, per second */
-    double spin[3];       /* from then on, radians per second about the scene's axes, at most 1e4 each */
+    double spin[3];       /* from then on, radians per second about the scene's axes; 1e4 at most */
     double coast_seconds; /* how long these last */
 } proxima_motion;
 

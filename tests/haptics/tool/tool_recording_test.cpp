@@ -2,6 +2,7 @@
 #include "haptics/tool/tool_recording.h"
 
 #include "base/binary_file.h"
+#include "exact_copy.h"
 #include "folder_test.h"
 #include "haptics/tool/tool_bench.h"
 #include "proxima/sample_meshes.h"
@@ -13,7 +14,6 @@
 #include <gtest/gtest.h>
 #include <iterator>
 #include <limits>
-#include <memory>
 #include <span>
 #include <vector>
 
@@ -69,8 +69,7 @@ protected:
     static Result<ToolRecording> forged(const std::vector<std::byte>& file, double before,
                                         double after)
     {
-        const auto copy = std::shared_ptr<std::byte[]>(new std::byte[file.size()]);
-        std::memcpy(copy.get(), file.data(), file.size());
+        const auto copy = testing::exact_copy(file.data(), file.size());
         bool found = false;
         for (std::size_t at = 0; at + sizeof before <= file.size() && !found; at += sizeof before) {
             found = std::memcmp(copy.get() + at, &before, sizeof before) == 0;
