@@ -70,7 +70,7 @@ struct SolidOptions {
 /// Prepares a mesh for contacts; adds signs where the index has none. Vertices at one position are one.
 /// The solid is what the surface winds round, either way, as encloses tells it, and the surface.
 /// Components face outward, or inward where they bound a cavity: such a one touches neither another component
-/// nor itself, but for single vertices that cavities share, and lies inside of what the others fill.
+/// nor itself, but for single vertices that cavities share, not all of one, and lies inside of what the others fill.
 /// Errors: invalid_mesh (an empty index; a mesh that is open, not consistently oriented, or with a
 /// component that is turned inside out and no cavity's; all vertices in one plane), limit_exceeded
 /// (coordinates above max_polyhedron_coordinate), those of with_signs. O(n log n), 5 to 15 us per

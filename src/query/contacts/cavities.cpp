@@ -95,12 +95,6 @@ tl::unexpected<Error> refuse(std::uint32_t component, std::string_view what)
                 concat("the component with triangle ", component, " faces inward ", what));
 }
 
-tl::unexpected<Error> refuse_outside(std::uint32_t component)
-{
-    return refuse(component,
-                  "and is in nothing that it could be a cavity of: turn it (proxima repair)");
-}
-
 } // namespace
 
 Status check_cavities(const MeshIndex& index, const TriangleMesh& mesh, const Execution& execution)
@@ -142,23 +136,28 @@ Status check_cavities(const MeshIndex& index, const TriangleMesh& mesh, const Ex
                         });
         return winding;
     };
-    // At a vertex that other cavities have, too, the winding number may be that in one of them, which
-    // is less: only a vertex of its own tells that a component is in nothing.
+    // At a vertex that other cavities have, too, the winding number may be that on either side of them:
+    // only a vertex of its own tells where a component is.
     const std::vector<std::uint32_t> at_vertices = components_at_vertices(mesh, first, components);
     std::vector<bool> is_inside(mesh.triangle_count(), false); // by component
     for (const TriangleId triangle : inward) {
         const std::uint32_t component = components[to_index(triangle)];
         for (const std::uint32_t corner : mesh.triangles()[to_index(triangle)]) {
-            if (is_inside[component]) break;
-            is_inside[component] = winding_of_others(component, corner) >= 1;
-            if (!is_inside[component] && at_vertices[corner] == component)
-                return refuse_outside(component);
+            if (is_inside[component] || at_vertices[corner] != component) continue;
+            if (winding_of_others(component, corner) < 1) {
+                return refuse(component, "and is in nothing that it could be a cavity of: turn it "
+                                         "(proxima repair)");
+            }
+            is_inside[component] = true;
             if (is_cancelled(execution.progress)) return cancelled("checking cavities");
         }
     }
     for (const TriangleId triangle : inward) {
         const std::uint32_t component = components[to_index(triangle)];
-        if (!is_inside[component]) return refuse_outside(component);
+        if (!is_inside[component]) {
+            return refuse(component, "and shares all its vertices with other such: a cavity must "
+                                     "have one of its own");
+        }
     }
     return {};
 }

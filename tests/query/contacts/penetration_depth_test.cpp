@@ -7,6 +7,7 @@
 #include "query/contacts/solid_shapes.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <gtest/gtest.h>
 #include <utility>
@@ -597,6 +598,40 @@ TEST(Solid, MayHaveCavitiesThatShareAVertex)
                 EXPECT_FALSE(solids_overlap(*hollow, speck, moved_by(middle)));
             }
             EXPECT_TRUE(solids_overlap(*hollow, speck));
+        }
+    }
+}
+
+// A cavity within a cavity is in nothing, though a vertex that both have may seem to be in what fills the rest.
+TEST(Solid, IsRefusedWhereACavityOfNothingSharesAVertex)
+{
+    const TriangleMesh cube = moved(make_cube(), [](const Vec3& p) { return Vec3(4 * p); });
+    const auto tetrahedron = [](double width, int axis, double sign, std::uint32_t turn) {
+        std::vector<Vec3> positions(4, Vec3::Zero());
+        const std::array<std::array<double, 2>, 3> across = {{{-1, -0.5}, {1, -0.5}, {0, 1}}};
+        for (std::size_t i = 0; i < 3; ++i) {
+            positions[i + 1][axis] = sign * width;
+            positions[i + 1][(axis + 1) % 3] = sign * width * width * across[i][0];
+            positions[i + 1][(axis + 2) % 3] = sign * width * width * across[i][1];
+        }
+        std::vector<TriangleCorners> triangles = {{0, 1, 2}, {0, 2, 3}, {0, 3, 1}, {1, 3, 2}};
+        for (TriangleCorners& t : triangles) std::rotate(t.begin(), t.begin() + turn, t.end());
+        const TriangleMesh mesh = mesh_of(positions, triangles);
+        return sign > 0 ? mesh : inverted(mesh);
+    };
+    for (int axis = 0; axis < 3; ++axis) {
+        for (const double sign : {1.0, -1.0}) {
+            for (std::uint32_t turn = 0; turn < 3; ++turn) {
+                SCOPED_TRACE(::testing::Message() << axis << ", " << sign << ", " << turn);
+                const TriangleMesh outer = tetrahedron(1, axis, sign, turn);
+                const TriangleMesh inner = tetrahedron(0.5, axis, sign, turn);
+                EXPECT_TRUE(build_solid(build_mesh_index(joined(cube, outer)).value()));
+                const auto refused =
+                    build_solid(build_mesh_index(joined(joined(cube, outer), inner)).value());
+                ASSERT_FALSE(refused);
+                EXPECT_NE(refused.error().message.find("in nothing"), std::string::npos)
+                    << describe(refused.error());
+            }
         }
     }
 }
