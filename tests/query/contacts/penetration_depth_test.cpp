@@ -602,6 +602,19 @@ TEST(Solid, MayHaveCavitiesThatShareAVertex)
     }
 }
 
+TEST(Solid, MayHaveCavitiesBesideTrianglesOfFewerCorners)
+{
+    const TriangleMesh cube = moved(make_cube(), [](const Vec3& p) { return Vec3(4 * p); });
+    const TriangleMesh hollow = joined(cube, inverted(make_cube()));
+    std::vector<TriangleCorners> triangles(hollow.triangles().begin(), hollow.triangles().end());
+    for (std::uint32_t vertex = 0; vertex < hollow.vertex_count(); ++vertex)
+        triangles.push_back({vertex, vertex, vertex});
+    const auto positions = hollow.positions();
+    const auto solid = build_solid(
+        build_mesh_index(mesh_of({positions.begin(), positions.end()}, triangles)).value());
+    EXPECT_TRUE(solid) << describe(solid.error());
+}
+
 // A cavity within a cavity is in nothing, though a vertex that both have may seem to be in what fills the rest.
 TEST(Solid, IsRefusedWhereACavityOfNothingSharesAVertex)
 {
