@@ -181,15 +181,18 @@ TEST(TwoSidedMean, CountsBothSurfacesByArea)
     EXPECT_GE(compared, 5);
 }
 
+/// All of the area at one distance.
+MeanDeviation one_way(double distance, double area, double error)
+{
+    return {.mean = {distance, distance},
+            .root_mean_square = {distance, distance},
+            .area = area,
+            .area_error = error,
+            .histogram = {}};
+}
+
 TEST(TwoSidedMean, IsHonestWhereAreasAreNot)
 {
-    const auto one_way = [](double distance, double area, double error) {
-        return MeanDeviation{.mean = {distance, distance},
-                             .root_mean_square = {distance, distance},
-                             .area = area,
-                             .area_error = error,
-                             .histogram = {}};
-    };
     const TwoSidedMean sure = both_ways(one_way(1, 1, 0), one_way(4, 2, 0));
     EXPECT_LE(sure.mean.lower, 3);
     EXPECT_GE(sure.mean.upper, 3);
@@ -248,13 +251,6 @@ TEST(TwoSidedMean, CountsAreasAtTheEndsOfTheDoubles)
 
 TEST(TwoSidedMean, AddsUpAreasWhoseSumIsNoDouble)
 {
-    const auto one_way = [](double distance, double area, double error) {
-        return MeanDeviation{.mean = {distance, distance},
-                             .root_mean_square = {distance, distance},
-                             .area = area,
-                             .area_error = error,
-                             .histogram = {}};
-    };
     constexpr double most = std::numeric_limits<double>::max();
     const TwoSidedMean equal = both_ways(one_way(1, most, 0), one_way(4, most, 0));
     EXPECT_NEAR(equal.mean.lower, 2.5, 1e-12);
