@@ -61,7 +61,7 @@ bool same(const Box& a, const Box& b)
     return a.lower == b.lower && a.upper == b.upper;
 }
 
-/// Of all models.
+/// The vertices that triangles of any model use.
 std::vector<Vec3> points_to_frame(const ViewModels& models)
 {
     std::vector<Vec3> positions;

@@ -115,8 +115,9 @@ public:
                                                  const FileFormat& format,
                                                  const BinaryFileOptions& options);
 
-    /// The same for a file already in memory, which `storage` keeps alive. `name` stands for the path in
-    /// messages. One error more: invalid_argument where it is not aligned to section_alignment.
+    /// Checks a file whose bytes are in memory, where `storage` keeps them alive. Messages have `name` in
+    /// place of a path. Errors: those of open() but for file_not_found and budget_exceeded, and
+    /// invalid_argument where the bytes do not begin at a multiple of section_alignment.
     [[nodiscard]] static Result<BinaryFile> read(std::span<const std::byte> bytes,
                                                  std::shared_ptr<const void> storage,
                                                  const std::string& name, const FileFormat& format,

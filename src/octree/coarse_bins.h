@@ -71,8 +71,9 @@ bin_triangles(const SnappedMesh& mesh, int depth, Threads threads, Progress* pro
               std::uint64_t most_pairs = std::numeric_limits<std::uint32_t>::max(),
               std::uint64_t most_wide_pairs = std::numeric_limits<std::uint32_t>::max());
 
-/// The same at that depth or, where bins and scratch take more than `most_bytes` besides an id and a
-/// coverage per triangle, at the next one above that fits; depth 0 always does. \pre see there
+/// Bins all triangles, as bin_triangles does, at the greatest depth up to `depth` at which bins and
+/// scratch take at most `most_bytes`, not counting one id and one coverage for each triangle. At depth 0
+/// they take no more than these. Errors and preconditions are those of bin_triangles.
 [[nodiscard]] Result<CoarseBins> bin_triangles_within(std::uint64_t most_bytes,
                                                       const SnappedMesh& mesh, int depth,
                                                       Threads threads, Progress* progress);
