@@ -30,17 +30,16 @@ struct Searcher {
     double seconds = 0; ///< building or opening
 };
 
-/// Error malformed_file where the octree is of another mesh.
+/// Error invalid_argument where the octree is of another mesh.
 Status check_mesh_of(const ThesisProximityOctree& octree, const TriangleMesh& mesh,
                      const Topology& topology, const std::string& path)
 {
+    if (fits_mesh(octree, mesh, topology)) return {};
     const FeatureCounts& features = octree.features();
-    if (features.vertices == mesh.vertex_count() && features.edges == topology.edge_count() &&
-        features.faces == mesh.triangle_count())
-        return {};
     return fail(ErrorCode::invalid_argument,
-                fmt::format("this octree is of another model, of {} vertices, {} edges and {} "
-                            "triangles: name that model",
+                fmt::format("this octree is of another model, or of this one before it changed, of "
+                            "{} vertices, {} edges and {} triangles: name that model, or build the "
+                            "octree again",
                             features.vertices, features.edges, features.faces),
                 path);
 }

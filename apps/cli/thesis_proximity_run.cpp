@@ -64,11 +64,14 @@ double flat_sine(const ProximityCommandOptions& options)
 }
 
 /// How many edges have a region: the thesis's non-degenerate ones. \pre the mesh is convex
-Result<std::size_t> count_ridges(const ProximityCommandOptions& options, const TriangleMesh& mesh)
+Result<std::size_t> count_ridges(const ProximityCommandOptions& options, const TriangleMesh& mesh,
+                                 Session& session)
 {
-    const auto topology = build_topology(mesh);
+    const ProgressBar shown(session.progress(), session.bar());
+    const auto topology = build_topology(mesh, {.execution = session.execution()});
     if (!topology) return tl::unexpected(topology.error());
-    const auto surface = check_convex_surface(mesh, *topology, {.flat_sine = flat_sine(options)});
+    const auto surface = check_convex_surface(
+        mesh, *topology, {.flat_sine = flat_sine(options), .execution = session.execution()});
     if (!surface) return tl::unexpected(surface.error());
     return static_cast<std::size_t>(std::ranges::count(surface->folds, EdgeFold::ridge));
 }
@@ -176,7 +179,7 @@ Status run_thesis_proximity(const ProximityCommandOptions& options, Session& ses
     const auto rows = build_thesis_rows(options, *mesh, session);
     if (!rows) return at_model(rows.error(), options.model);
 
-    const auto ridges = count_ridges(options, *mesh);
+    const auto ridges = count_ridges(options, *mesh, session);
     if (!ridges) return at_model(ridges.error(), options.model);
     const KindThresholds& thresholds = options.thresholds;
     const std::string how =

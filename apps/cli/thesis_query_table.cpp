@@ -1,4 +1,5 @@
 // Chapters 4 and 5: how long queries take by the thesis's structures, beside the mesh index.
+#include "base/progress.h"
 #include "base/text.h"
 #include "cli/stopwatch.h"
 #include "cli/text_table.h"
@@ -36,13 +37,17 @@ struct StructureTime {
     double nanoseconds = 0; ///< of a query: the median of the rounds
 };
 
+/// Ends soon, with no time, where somebody asks to stop.
 template <class Ask>
-double median_nanoseconds(std::size_t queries, const Ask& ask)
+double median_nanoseconds(std::size_t queries, const Progress* progress, const Ask& ask)
 {
     std::array<double, rounds> times{};
     for (double& time : times) {
         const Stopwatch watch;
-        for (std::size_t i = 0; i < queries; ++i) ask(i);
+        for (std::size_t i = 0; i < queries; ++i) {
+            if (is_cancelled(progress)) return 0;
+            ask(i);
+        }
         time = 1e9 * watch.seconds() / static_cast<double>(queries);
     }
     std::ranges::sort(times);
@@ -121,12 +126,13 @@ private:
                       "Thesis / index", "Answers"}};
 };
 
-void add_closest(const Structures& of, QueryTable& table)
+void add_closest(const Structures& of, const Progress* progress, QueryTable& table)
 {
     for (const QuerySet& set : query_sets(of.mesh, query_count, 1)) {
         std::vector<Vec3> points;
         bool agree = true;
         for (const Vec3& point : set.points) {
+            if (is_cancelled(progress)) return;
             const auto found = closest_feature(of.thesis_lists, of.mesh, of.topology, point);
             if (!found) continue; // inside, or outside the root
             points.push_back(point);
@@ -136,13 +142,13 @@ void add_closest(const Structures& of, QueryTable& table)
         if (points.empty()) continue;
         double sum = 0;
         const StructureTime thesis{of.thesis_list_seconds, of.thesis_lists.bytes(),
-                                   median_nanoseconds(points.size(), [&](std::size_t i) {
+                                   median_nanoseconds(points.size(), progress, [&](std::size_t i) {
                                        sum += closest_feature(of.thesis_lists, of.mesh, of.topology,
                                                               points[i])
                                                   ->squared_distance;
                                    })};
         const StructureTime index{of.index_seconds, of.index.bytes(),
-                                  median_nanoseconds(points.size(), [&](std::size_t i) {
+                                  median_nanoseconds(points.size(), progress, [&](std::size_t i) {
                                       sum -= closest_feature(of.index, points[i])->squared_distance;
                                   })};
         table.add(
@@ -151,7 +157,7 @@ void add_closest(const Structures& of, QueryTable& table)
     }
 }
 
-void add_rays(const Structures& of, QueryTable& table)
+void add_rays(const Structures& of, const Progress* progress, QueryTable& table)
 {
     const auto sets = query_sets(of.mesh, 2 * query_count, 2);
     std::vector<Ray> rays;
@@ -161,21 +167,23 @@ void add_rays(const Structures& of, QueryTable& table)
     }
     bool agree = true;
     for (const Ray& ray : rays) {
+        if (is_cancelled(progress)) return;
         agree =
             agree && closest_hit_by_cells(of.octree, of.mesh, ray) == closest_hit(of.index, ray);
     }
     std::size_t hits = 0;
-    const double thesis = median_nanoseconds(rays.size(), [&](std::size_t i) {
+    const double thesis = median_nanoseconds(rays.size(), progress, [&](std::size_t i) {
         hits += closest_hit_by_cells(of.octree, of.mesh, rays[i]) ? 1U : 0U;
     });
-    const double index = median_nanoseconds(
-        rays.size(), [&](std::size_t i) { hits += closest_hit(of.index, rays[i]) ? 1U : 0U; });
+    const double index = median_nanoseconds(rays.size(), progress, [&](std::size_t i) {
+        hits += closest_hit(of.index, rays[i]) ? 1U : 0U;
+    });
     table.add(fmt::format("first hit of a ray ({} of {} hit)", hits / (2 * rounds), rays.size()),
               {of.octree_seconds, of.octree.bytes(), thesis},
               {of.index_seconds, of.index.bytes(), index}, agree);
 }
 
-void add_culling(const Structures& of, QueryTable& table)
+void add_culling(const Structures& of, const Progress* progress, QueryTable& table)
 {
     std::vector<ViewVolume> volumes;
     for (std::size_t i = 0; i < frame_count; ++i) {
@@ -190,15 +198,17 @@ void add_culling(const Structures& of, QueryTable& table)
     std::size_t visible = 0;
     std::vector<TriangleId> ids;
     for (const ViewVolume& volume : volumes) {
+        if (is_cancelled(progress)) return;
         const CellCulling culled = cull_by_cells(of.octree, volume);
         visible_triangles(of.index, volume, CullMode::exact, ids);
         agree = agree && std::ranges::includes(culled.triangles, ids);
         listed += culled.triangles.size();
         visible += ids.size();
     }
-    const double thesis = median_nanoseconds(
-        volumes.size(), [&](std::size_t i) { (void)cull_by_cells(of.octree, volumes[i]); });
-    const double index = median_nanoseconds(volumes.size(), [&](std::size_t i) {
+    const double thesis = median_nanoseconds(volumes.size(), progress, [&](std::size_t i) {
+        (void)cull_by_cells(of.octree, volumes[i]);
+    });
+    const double index = median_nanoseconds(volumes.size(), progress, [&](std::size_t i) {
         visible_triangles(of.index, volumes[i], CullMode::exact, ids);
     });
     table.add(fmt::format("view volume ({} triangles listed, {} visible on average)",
@@ -207,7 +217,7 @@ void add_culling(const Structures& of, QueryTable& table)
               {of.index_seconds, of.index.bytes(), index}, agree);
 }
 
-void add_contact(const Structures& of, QueryTable& table)
+void add_contact(const Structures& of, const Progress* progress, QueryTable& table)
 {
     std::vector<RigidTransform> poses(frame_count);
     for (std::size_t i = 0; i < frame_count; ++i) {
@@ -217,14 +227,15 @@ void add_contact(const Structures& of, QueryTable& table)
     bool agree = true;
     std::size_t pairs = 0;
     for (const RigidTransform& pose : poses) {
+        if (is_cancelled(progress)) return;
         const auto found = intersect_by_cells({of.mesh, of.octree}, {of.mesh, of.octree}, pose);
         agree = agree && found.pairs == intersecting_pairs(of.index, of.index, pose);
         pairs += found.pairs.size();
     }
-    const double thesis = median_nanoseconds(poses.size(), [&](std::size_t i) {
+    const double thesis = median_nanoseconds(poses.size(), progress, [&](std::size_t i) {
         (void)intersect_by_cells({of.mesh, of.octree}, {of.mesh, of.octree}, poses[i]);
     });
-    const double index = median_nanoseconds(poses.size(), [&](std::size_t i) {
+    const double index = median_nanoseconds(poses.size(), progress, [&](std::size_t i) {
         (void)intersecting_pairs(of.index, of.index, poses[i]);
     });
     table.add(fmt::format("two spheres ({} pairs on average)", pairs / poses.size()),
@@ -240,10 +251,10 @@ Result<ThesisComparison> compare_queries(const ThesisComparisonOptions& options)
     if (!structures) return tl::unexpected(structures.error());
     ThesisComparison result;
     QueryTable table(result);
-    add_closest(*structures, table);
-    add_rays(*structures, table);
-    add_culling(*structures, table);
-    add_contact(*structures, table);
+    for (const auto add : {add_closest, add_rays, add_culling, add_contact}) {
+        add(*structures, options.execution.progress, table);
+        if (is_cancelled(options.execution.progress)) return cancelled("the table");
+    }
     result.text = fmt::format("{}, {} triangles, octrees of depth 5 and threshold 1; one thread, "
                               "medians of {} rounds\n\n{}\n",
                               sphere_name, structures->mesh.triangle_count(), rounds, table.text());

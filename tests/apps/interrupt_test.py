@@ -115,6 +115,10 @@ class Building(InterruptTest):
     def test_compare(self):
         self.interrupt("compare", "spaceship:300000", "--json", self.folder / "a.json", when=after(1))
 
+    def test_tables(self):
+        # Among the queries, long after the structures were built.
+        self.interrupt("tables", "--only", "5", "--json", self.folder / "a.json", when=after(1))
+
     def test_built_in_meshes(self):
         for name in ("spaceship:60000000", "icosphere:11", "sphere:8000x8000"):
             with self.subTest(name):

@@ -60,9 +60,38 @@ class Closest(ProgramTest):
         self.answers("--method", "thesis", "--save", saved)
         self.refuse("closest", "cube", "--points", self.points, "--method", "thesis", "--octree", saved,
                     says="another model")
+        # As many vertices, edges and triangles, and even the same root, are not enough.
+        changed = self.folder / "changed.off"
+        self.succeed("repair", "sphere:20x20", "--out", changed)
+        lines = changed.read_text().splitlines()
+        vertices = int(lines[1].split()[0])
+        for i in range(2, 2 + vertices):
+            x, y, z = map(float, lines[i].split())
+            lines[i] = f"{0.5 * x!r} {y!r} {z!r}"
+        changed.write_text("\n".join(lines) + "\n")
+        self.refuse("closest", changed, "--points", self.points, "--method", "thesis", "--octree", saved,
+                    says="another model")
         broken = self.file("broken.pxv", saved.read_bytes()[:-1])
         self.refuse("closest", "sphere:20x20", "--points", self.points, "--method", "thesis", "--octree", broken,
                     says="broken.pxv")
+
+    def test_an_octree_is_not_asked_about_vertices_without_triangles(self):
+        def octahedron(name, stray):
+            """A vertex that no triangle uses comes first or last."""
+            corners = ["1 0 0", "-1 0 0", "0 1 0", "0 -1 0", "0 0 1", "0 0 -1"]
+            corners.insert(stray, "0 0 0")
+            at = [corners.index(" ".join(map(str, [sign * (axis == k) for k in range(3)])))
+                  for axis in range(3) for sign in (1, -1)]
+            faces = [(0, 2, 4), (2, 1, 4), (1, 3, 4), (3, 0, 4), (2, 0, 5), (1, 2, 5), (3, 1, 5), (0, 3, 5)]
+            return self.file(name, "OFF\n7 8 0\n" + "".join(f"{corner}\n" for corner in corners) + "".join(
+                "3 " + " ".join(str(at[i]) for i in face) + "\n" for face in faces))
+
+        saved = self.folder / "octahedron.pxv"
+        asked = ("--point", "0,0,-1.2", "--method", "thesis")
+        first, last = octahedron("first.off", 0), octahedron("last.off", 6)
+        self.succeed("closest", first, *asked, "--save", saved)
+        self.succeed("closest", first, *asked, "--octree", saved)
+        self.refuse("closest", last, *asked, "--octree", saved, says="another model")
 
 
 class OtherQueries(ProgramTest):

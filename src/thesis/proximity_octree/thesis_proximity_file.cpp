@@ -29,10 +29,11 @@ struct FileHeader {
     std::array<std::uint64_t, 3> edge{};
     std::uint64_t margin = 0;
     std::array<std::uint64_t, 3> features{}; ///< vertices, edges, faces of the mesh
+    std::uint64_t fingerprint = 0;           ///< of the mesh
     std::uint32_t max_depth = 0;
     std::array<std::uint32_t, 3> thresholds{}; ///< by kind
 };
-static_assert(sizeof(FileHeader) == 96);
+static_assert(sizeof(FileHeader) == 104);
 
 /// A leaf as the file has it.
 struct FileLeaf {
@@ -53,6 +54,7 @@ FileHeader header_of(const ThesisProximityOctree::Parts& parts)
     }
     header.margin = std::bit_cast<std::uint64_t>(parts.margin);
     header.features = {parts.features.vertices, parts.features.edges, parts.features.faces};
+    header.fingerprint = parts.fingerprint;
     header.max_depth = static_cast<std::uint32_t>(parts.max_depth);
     header.thresholds = {parts.thresholds.vertex, parts.thresholds.edge, parts.thresholds.face};
     return header;
@@ -70,17 +72,20 @@ bool read_header(const FileHeader& header, ThesisProximityOctree::Parts& parts)
     parts.max_depth = static_cast<int>(std::min<std::uint32_t>(header.max_depth, 255));
     parts.thresholds = {header.thresholds[0], header.thresholds[1], header.thresholds[2]};
     parts.features = {header.features[0], header.features[1], header.features[2]};
+    parts.fingerprint = header.fingerprint;
     return parts.frame.lower.allFinite() && parts.frame.edge.allFinite() &&
            parts.frame.edge.minCoeff() > 0 && parts.margin >= 0 &&
            parts.margin <= max_root_margin && parts.max_depth <= max_octree_depth;
 }
 
-/// Whether a leaf's lists lie in the labels and name features of the mesh.
-bool is_sound(const ThesisLeaf& leaf, const ThesisProximityOctree::Parts& parts)
+/// Whether a leaf's lists begin at that label, as the builder wrote them leaf after leaf, lie in the
+/// labels, and name features of the mesh. Sets the label to the one after them.
+bool is_sound(const ThesisLeaf& leaf, const ThesisProximityOctree::Parts& parts, std::size_t& first)
 {
     const std::array<std::size_t, 3> features = {parts.features.vertices, parts.features.edges,
                                                  parts.features.faces};
-    std::size_t first = leaf.first;
+    // Lists that overlap would take time with the square of the file's size.
+    if (leaf.first != first) return false;
     for (std::size_t kind = 0; kind < 3; ++kind) {
         if (leaf.touching[kind] > leaf.closest[kind]) return false;
         if (first + leaf.closest[kind] > parts.labels.size()) return false;
@@ -138,12 +143,13 @@ Result<ThesisProximityOctree> octree_of(const BinaryFile& file, const std::strin
     parts.labels.assign(labels->begin(), labels->end());
     parts.leaves.reserve(leaves->size());
     bool sound = true;
+    std::size_t next_label = 0;
     for (const FileLeaf& read : *leaves) {
         sound = sound && read.type <= static_cast<std::uint32_t>(CellClass::boundary);
         if (!sound) break;
         const ThesisLeaf leaf{read.first, read.closest, read.touching,
                               static_cast<CellClass>(read.type)};
-        sound = is_sound(leaf, parts);
+        sound = is_sound(leaf, parts, next_label);
         parts.leaves.push_back(leaf);
     }
     if (!sound || !is_tree(parts))

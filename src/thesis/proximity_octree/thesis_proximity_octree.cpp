@@ -167,6 +167,7 @@ Result<ThesisProximityOctree> build(const TriangleMesh& mesh, const Topology& to
     parts.thresholds = options.thresholds;
     parts.margin = options.margin;
     parts.features = {topology.vertex_count(), topology.edge_count(), topology.triangle_count()};
+    parts.fingerprint = mesh_fingerprint(mesh);
     const auto regions = grow_regions(mesh, topology, *surface, parts.frame, {options.execution});
     if (!regions) return tl::unexpected(regions.error());
 
@@ -233,6 +234,26 @@ Result<ThesisProximityOctree> build_thesis_proximity_octree(const TriangleMesh& 
     const auto topology = build_topology(mesh, {.execution = options.execution});
     if (!topology) return tl::unexpected(topology.error());
     return build_thesis_proximity_octree(mesh, *topology, options);
+}
+
+bool fits_mesh(const ThesisProximityOctree& octree, const TriangleMesh& mesh,
+               const Topology& topology)
+{
+    const FeatureCounts& features = octree.features();
+    if (features.vertices != mesh.vertex_count() || features.edges != topology.edge_count() ||
+        features.faces != mesh.triangle_count())
+        return false;
+    if (octree.parts().fingerprint != mesh_fingerprint(mesh)) return false;
+    for (std::uint32_t t = 0; t < mesh.triangle_count(); ++t) {
+        for (const EdgeId edge : topology.edges(TriangleId{t}))
+            if (edge == no_edge || topology.triangles(edge).size() != 2) return false;
+    }
+    bool are_used = true;
+    octree.for_each_leaf([&](const ThesisCell& cell) {
+        for (const std::uint32_t id : octree.closest(cell, FeatureKind::vertex))
+            are_used = are_used && !topology.triangles(VertexId{id}).empty();
+    });
+    return are_used;
 }
 
 } // namespace proxima

@@ -144,6 +144,7 @@ public:
         KindThresholds thresholds;
         double margin = 0;
         FeatureCounts features;
+        std::uint64_t fingerprint = 0; ///< mesh_fingerprint() of the mesh
         int depth_reached = 0;
         std::vector<std::uint32_t> nodes;
         std::vector<ThesisLeaf> leaves;
@@ -170,5 +171,12 @@ build_thesis_proximity_octree(const TriangleMesh& mesh, const Topology& topology
 /// The same, with a topology of its own. Errors also as build_topology.
 [[nodiscard]] Result<ThesisProximityOctree>
 build_thesis_proximity_octree(const TriangleMesh& mesh, const ThesisProximityOptions& options = {});
+
+/// Whether the octree, which may come from a file, was built from this mesh: it has its fingerprint,
+/// as many vertices, edges and faces, two triangles at every edge, and one at every vertex that is
+/// listed. Queries then stay within all arrays, also those of a forged file. O(features + labels).
+/// \pre topology is the mesh's
+[[nodiscard]] bool fits_mesh(const ThesisProximityOctree& octree, const TriangleMesh& mesh,
+                             const Topology& topology);
 
 } // namespace proxima

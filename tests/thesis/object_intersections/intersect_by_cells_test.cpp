@@ -5,6 +5,7 @@
 #include "proxima/sample_meshes.h"
 #include "query/contact/test_poses.h"
 #include "query/rays/test_rays.h"
+#include "thesis/object_intersections/cancellable_cells.h"
 
 #include <gtest/gtest.h>
 
@@ -54,6 +55,22 @@ TEST(IntersectByCells, FindsThePairsOfTheMeshIndex)
                   intersecting_pairs(index_a, index_b, pose))
             << i;
     }
+}
+
+/// Two roots that are leaves: all pairs are candidates, and none may be listed before it is tested.
+TEST(IntersectByCells, StopsBeforeItHasListedAllPairsOfLongLists)
+{
+    const TriangleMesh mesh = make_sphere(40, 40);
+    const Octree cells = octree_of(mesh, 0);
+    const std::uint64_t all = std::uint64_t{mesh.triangle_count()} * mesh.triangle_count();
+    const auto whole = intersect_by_cells({mesh, cells}, {mesh, cells});
+    EXPECT_EQ(whole.triangle_tests, all);
+    EXPECT_EQ(whole.cell_pairs, 1U);
+    EXPECT_EQ(whole.pairs, pairs_by_brute_force(mesh, mesh, {}));
+    Progress progress;
+    progress.cancel();
+    const auto stopped = intersect_by_cells({mesh, cells}, {mesh, cells}, {}, &progress);
+    EXPECT_LT(stopped.triangle_tests, all / 2);
 }
 
 } // namespace

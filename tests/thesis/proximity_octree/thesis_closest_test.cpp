@@ -169,6 +169,58 @@ TEST(ThesisClosest, IsTheSameWithItsOwnCopyOfTheMesh)
     EXPECT_EQ(build_thesis_proximity(TriangleMesh()).error().code, ErrorCode::invalid_mesh);
 }
 
+/// The mesh with a vertex that no triangle uses, which takes that id.
+TriangleMesh with_stray_vertex(const TriangleMesh& mesh, std::uint32_t id)
+{
+    std::vector<Vec3> positions(mesh.positions().begin(), mesh.positions().end());
+    positions.insert(positions.begin() + id, Vec3::Zero());
+    std::vector<TriangleCorners> triangles(mesh.triangles().begin(), mesh.triangles().end());
+    for (TriangleCorners& corners : triangles)
+        for (std::uint32_t& corner : corners) corner += corner >= id ? 1U : 0U;
+    return make_triangle_mesh(std::move(positions), std::move(triangles)).value();
+}
+
+TEST(ThesisClosest, FitsTheMeshItWasBuiltFromAndNoneThatLeadsItAstray)
+{
+    const auto fits = [](const ThesisProximityOctree& octree, const TriangleMesh& mesh) {
+        return fits_mesh(octree, mesh, *build_topology(mesh));
+    };
+    for (const auto& [name, mesh] : test::convex_meshes()) {
+        SCOPED_TRACE(name);
+        for (const double margin : {0.0, 0.5, 3.0}) {
+            const auto octree =
+                build_thesis_proximity_octree(mesh, {.max_depth = 2, .margin = margin});
+            ASSERT_TRUE(octree) << describe(octree.error());
+            EXPECT_TRUE(fits(*octree, mesh));
+        }
+    }
+    const TriangleMesh plain = make_octahedron();
+    // Another shape with the same features and the same root.
+    const TriangleMesh squashed =
+        test::mapped(plain, [](const Vec3& p) { return Vec3(0.5 * p.x(), p.y(), p.z()); });
+    EXPECT_FALSE(fits(*build_thesis_proximity_octree(plain), squashed));
+    const auto last = static_cast<std::uint32_t>(plain.vertex_count());
+    const TriangleMesh stray_first = with_stray_vertex(plain, 0);
+    const TriangleMesh stray_last = with_stray_vertex(plain, last);
+    const auto octree = build_thesis_proximity_octree(stray_first);
+    ASSERT_TRUE(octree) << describe(octree.error());
+    EXPECT_TRUE(fits(*octree, stray_first));
+    EXPECT_FALSE(fits(*octree, stray_last));
+    EXPECT_FALSE(fits(*octree, plain));
+    // Forged: it lists the last vertex, which has no triangle here.
+    ThesisProximityOctree::Parts parts = octree->parts();
+    parts.fingerprint = mesh_fingerprint(stray_last);
+    EXPECT_FALSE(fits(ThesisProximityOctree(parts), stray_last));
+    // Forged: as many features, but edges of one triangle and of three.
+    std::vector<TriangleCorners> triangles(plain.triangles().begin(), plain.triangles().end());
+    triangles[0] = triangles[1];
+    const auto doubled =
+        make_triangle_mesh({plain.positions().begin(), plain.positions().end()}, triangles);
+    parts = build_thesis_proximity_octree(plain)->parts();
+    parts.fingerprint = mesh_fingerprint(*doubled);
+    EXPECT_FALSE(fits(ThesisProximityOctree(parts), *doubled));
+}
+
 TEST(ThesisClosest, DoesNotAllocate)
 {
     const TriangleMesh mesh = make_sphere(20, 20);

@@ -53,6 +53,7 @@ TEST_F(ThesisProximityFile, AnswersTheSameAfterLoading)
     EXPECT_EQ(opened->depth_reached(), built->depth_reached());
     EXPECT_EQ(opened->margin(), 0.75);
     EXPECT_EQ(opened->thresholds(), built->thresholds());
+    EXPECT_TRUE(fits_mesh(*opened, mesh, topology));
     EXPECT_EQ(saved(*opened), bytes);
     std::mt19937_64 random(1);
     std::uniform_real_distribution<double> coordinate(-2, 2);
@@ -104,6 +105,20 @@ TEST_F(ThesisProximityFile, SurvivesResealedDamage)
         }
     }
     EXPECT_GT(refused, 1000);
+}
+
+/// Each of n leaves could list all of n labels: checking them would take the square of the file's size.
+TEST_F(ThesisProximityFile, RefusesListsThatOverlap)
+{
+    ThesisProximityOctree::Parts parts =
+        build_thesis_proximity_octree(make_octahedron(), {.max_depth = 1})->parts();
+    ASSERT_TRUE(load_bytes(saved(ThesisProximityOctree(parts))));
+    ASSERT_GT(parts.leaves.size(), 1U);
+    ASSERT_EQ(parts.leaves[1].closest, parts.leaves[0].closest);
+    parts.leaves[1].first = parts.leaves[0].first;
+    const auto opened = load_bytes(saved(ThesisProximityOctree(parts)));
+    ASSERT_FALSE(opened);
+    EXPECT_EQ(opened.error().code, ErrorCode::malformed_file);
 }
 
 } // namespace
