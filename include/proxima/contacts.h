@@ -189,8 +189,8 @@ struct ContactRegionOptions {
 /// are one region. None where the surfaces do not meet, as where one mesh is inside the other. Of
 /// each region at most four points: the deepest, the farthest from it, the farthest from the line
 /// through both, and the one that makes the largest quadrilateral, seen along the normal. Allocates.
-/// Thread safe. 4 us per pair of triangles that meet, and 0.3 to 10 ms per region, 30 ms of flush
-/// faces. The same as penetration_depth is. Errors: invalid_argument (as penetration_depth's), cancelled.
+/// Thread safe. 4 us per pair of triangles that meet, 30 us in one plane, and 0.3 to 10 ms per region,
+/// 30 ms of flush faces. The same as penetration_depth is. Errors: invalid_argument (as penetration_depth's), cancelled.
 /// \pre differences of coordinates are finite
 [[nodiscard]] Result<ContactRegions> contact_regions(const Solid& a, const Solid& b,
                                                      const RigidTransform& pose_b = {},

@@ -70,7 +70,7 @@ struct MeetingOptions {
                                                       const MeetingOptions& options = {}) noexcept;
 
 /// All pairs of triangles that meet, by a, then b, each once. Allocates the list. 0.3 to 1 us a
-/// pair.
+/// pair, 10 us where both lie in one plane.
 [[nodiscard]] std::vector<TrianglePair> intersecting_pairs(const MeshIndex& a, const MeshIndex& b,
                                                            const RigidTransform& pose_b);
 
@@ -154,8 +154,8 @@ struct IntersectionContour {
 ///   with them.
 /// - Triangles with the same three corners count once, under the lowest id.
 /// - A triangle without an area joins the segments of its neighbours; two of them add nothing.
-/// O(pairs log pairs), about 4 us each; allocates. Same bits on every machine. \pre differences of
-/// coordinates are finite
+/// O(pairs log pairs), about 4 us each, 20 us where both lie in one plane; allocates. Same bits on
+/// every machine. \pre differences of coordinates are finite
 [[nodiscard]] IntersectionContour intersection_contour(const MeshIndex& a, const MeshIndex& b,
                                                        const RigidTransform& pose_b = {});
 

@@ -1,5 +1,6 @@
 #include "proxima/intersect_meshes.h"
 
+#include "base/disjoint_sets.h"
 #include "base/progress.h"
 #include "geometry/exact_predicates.h"
 #include "geometry/triangle_intersection.h"
@@ -116,14 +117,15 @@ SurfacePart edge_part(std::uint32_t a, std::uint32_t b)
     return {FeatureKind::edge, {std::min(a, b), std::max(a, b)}};
 }
 
-/// The triangles' vertices with those at one position made one, and triangles by these. Of no use where
-/// the progress asks to stop.
+/// The triangles' vertices with those that the pose moves to one position made one, and triangles by
+/// these. Of no use where the progress asks to stop.
 template <class Triangles>
 class SharedVertices {
 public:
     template <class TriangleOf>
-    SharedVertices(const Triangles& triangles, std::span<const TrianglePair> pairs,
-                   const TriangleOf& triangle_of, const Progress* progress)
+    SharedVertices(const Triangles& triangles, const RigidTransform& pose,
+                   std::span<const TrianglePair> pairs, const TriangleOf& triangle_of,
+                   const Progress* progress)
         : triangles_(triangles)
     {
         const auto add_corners = [&](const TrianglePair& pair) {
@@ -133,7 +135,8 @@ public:
         if (!for_each_pair(pairs, progress, add_corners)) return;
         std::ranges::sort(ids_);
         ids_.erase(std::unique(ids_.begin(), ids_.end()), ids_.end());
-        const std::vector<Vec3> positions = triangles.positions(ids_);
+        std::vector<Vec3> positions = triangles.positions(ids_);
+        for (Vec3& p : positions) p = pose(p);
         std::vector<std::uint32_t> by_position(ids_.size()); // ranks of ids
         for (std::uint32_t i = 0; i < by_position.size(); ++i) by_position[i] = i;
         const auto position = [&](std::uint32_t rank) {
@@ -212,9 +215,9 @@ public:
                  std::span<const TrianglePair> pairs, Progress* progress)
         : a_(a), b_(b), pose_b_(pose_b), progress_(progress),
           vertices_a_(
-              a, pairs, [](const TrianglePair& pair) { return pair.a; }, progress),
+              a, {}, pairs, [](const TrianglePair& pair) { return pair.a; }, progress),
           vertices_b_(
-              b, pairs, [](const TrianglePair& pair) { return pair.b; }, progress)
+              b, pose_b, pairs, [](const TrianglePair& pair) { return pair.b; }, progress)
     {
         // Triangles that lie on each other meet the same ones in the same points: once is enough.
         const auto add_once = [&](const TrianglePair& pair) {
@@ -243,11 +246,21 @@ public:
         for (const SegmentEnds& touch : renumbered(touches_)) {
             if (!std::ranges::binary_search(borders, touch)) segments.push_back(touch);
         }
+        // Ends of polygons that have sides in common belong together.
+        DisjointSets areas(ends_.size());
+        for (const SegmentEnds& side : borders) areas.unite(side[0], side[1]);
         borders = odd_ones(borders);
         segments.insert(segments.end(), borders.begin(), borders.end());
+        std::vector<bool> has_lines(ends_.size()); // by area
+        for (const SegmentEnds& ends : segments) {
+            if (ends[0] == ends[1]) continue;
+            for (const std::uint32_t end : ends) has_lines[areas.find(end)] = true;
+        }
         if (is_cancelled(progress_)) return std::nullopt;
         IntersectionContour result;
         for (const JoinedLine& line : join_segments(ends_.size(), std::move(segments))) {
+            // A point without a segment within an area that has a border.
+            if (line.points.size() == 1 && has_lines[areas.find(line.points[0])]) continue;
             result.lines.push_back({result.points.size(), line.points.size(), line.closed});
             for (const std::uint32_t end : line.points) result.points.push_back(ends_[end]);
         }

@@ -6,6 +6,7 @@
 #include "index/crossings.h"
 #include "index/index_parts.h"
 #include "mesh/coincidence.h"
+#include "mesh/surface_parts.h"
 #include "proxima/intersect_meshes.h"
 #include "proxima/mesh_repair.h"
 
@@ -74,17 +75,16 @@ std::vector<std::uint32_t> components_of(const TriangleMesh& mesh,
     return components;
 }
 
-/// Signed, in any unit, by component.
-std::vector<double> volumes_of(const TriangleMesh& mesh,
-                               const std::vector<std::uint32_t>& components, double scale)
+/// Signed, by component, as report_mesh sums them up: from a vertex of the component, as from farther away
+/// rounding would hide small ones.
+std::vector<detail::VolumeSum>
+volumes_of(const TriangleMesh& mesh, const std::vector<std::uint32_t>& components, double scale)
 {
-    const Vec3 center = bounding_box(mesh).center();
-    std::vector<double> volumes(mesh.triangle_count(), 0);
+    std::vector<detail::VolumeSum> volumes(mesh.triangle_count());
     for (std::uint32_t t = 0; t < components.size(); ++t) {
         if (components[t] == no_component) continue;
-        const Triangle triangle = mesh.triangle(TriangleId{t});
-        const auto corner = [&](int i) { return Vec3((triangle[i] - center) * scale); };
-        volumes[components[t]] += corner(0).dot(corner(1).cross(corner(2)));
+        const Vec3 origin = mesh.triangle(TriangleId{components[t]})[0];
+        volumes[components[t]].add(mesh.triangle(TriangleId{t}), origin, scale);
     }
     return volumes;
 }
@@ -101,12 +101,13 @@ Status check_cavities(const MeshIndex& index, const TriangleMesh& mesh, const Ex
 {
     const std::vector<std::uint32_t> first = detail::first_at_position(mesh);
     const std::vector<std::uint32_t> components = components_of(mesh, first);
-    const std::vector<double> volumes = volumes_of(mesh, components, index.parts().scale());
+    const std::vector<detail::VolumeSum> volumes =
+        volumes_of(mesh, components, index.parts().scale());
     std::vector<TriangleId> inward;
     std::vector<TriangleId> outward;
     for (std::uint32_t t = 0; t < components.size(); ++t) {
         if (components[t] == no_component) continue;
-        (volumes[components[t]] < 0 ? inward : outward).push_back(TriangleId{t});
+        (volumes[components[t]].volume < 0 ? inward : outward).push_back(TriangleId{t});
     }
     const auto inner = build_mesh_index(sub_mesh(mesh, inward), {.execution = execution});
     if (!inner) return tl::unexpected(inner.error());

@@ -2,6 +2,7 @@
 #include "base/progress.h"
 #include "geometry/length.h"
 #include "proxima/contacts.h"
+#include "query/contact/find_pairs.h"
 #include "query/contacts/contact_lines.h"
 #include "query/contacts/meeting_triangles.h"
 #include "query/contacts/solid_parts.h"
@@ -33,11 +34,12 @@ constexpr double parallel_faces = 1 - 1e-6; ///< of normals' product: in one pla
 class RegionMaker {
 public:
     RegionMaker(const Solid& a, const Solid& b, const RigidTransform& pose_b,
-                const IntersectionContour& contour)
+                const IntersectionContour& contour, const Progress* progress)
         : a_(a.parts()), b_(b.parts()), pose_(pose_b), lines_(a.parts(), b.parts(), pose_b),
-          contour_(contour)
+          contour_(contour), progress_(progress)
     {}
 
+    /// Of no use where the progress asks to stop.
     ContactRegion make(std::span<const std::size_t> numbers)
     {
         ContactRegion region;
@@ -311,7 +313,7 @@ private:
         const double reach = a_.largest + b_.largest + pose_.translation.cwiseAbs().maxCoeff();
         meeting_a_.emplace(a_, std::nullopt, reach);
         meeting_b_.emplace(b_, pose_, reach);
-        for (const TrianglePair& pair : intersecting_pairs(a_.index, b_.index, pose_)) {
+        for (const TrianglePair& pair : find_pairs(a_.index, b_.index, pose_, progress_)) {
             meeting_a_->add(pair.a);
             meeting_b_->add(pair.b);
         }
@@ -334,6 +336,7 @@ private:
     RigidTransform pose_;
     ContactLines lines_;
     const IntersectionContour& contour_;
+    const Progress* progress_;
     std::optional<MeetingTriangles> meeting_a_; ///< where some faces are flush
     std::optional<MeetingTriangles> meeting_b_;
 };
@@ -387,12 +390,13 @@ Result<ContactRegions> contact_regions(const Solid& a, const Solid& b, const Rig
     if (!contour) return stopped();
     ContactRegions found;
     found.contour = std::move(*contour);
-    RegionMaker maker(a, b, pose_b, found.contour);
+    RegionMaker maker(a, b, pose_b, found.contour, progress);
     const auto joined = joined_lines(found.contour);
     begin_stage(progress, "measuring contact regions", joined.size());
     for (const auto& numbers : joined) {
         if (is_cancelled(progress)) return stopped();
         ContactRegion region = maker.make(numbers);
+        if (is_cancelled(progress)) return stopped();
         region.first_line = found.lines.size();
         region.line_count = numbers.size();
         found.lines.insert(found.lines.end(), numbers.begin(), numbers.end());

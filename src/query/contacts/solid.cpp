@@ -107,6 +107,18 @@ bool is_its_hull(const TriangleMesh& mesh, const ConvexPolyhedron& hull)
     return true;
 }
 
+bool have_same_corners(const ConvexPolyhedron& a, const ConvexPolyhedron& b)
+{
+    const auto sorted_corners = [](const ConvexPolyhedron& hull) {
+        std::vector<Vec3> corners(hull.points().begin(), hull.points().end());
+        std::ranges::sort(corners, [](const Vec3& p, const Vec3& q) {
+            return std::lexicographical_compare(p.begin(), p.end(), q.begin(), q.end());
+        });
+        return corners;
+    };
+    return sorted_corners(a) == sorted_corners(b);
+}
+
 /// Whether the mesh is its hull: exactly, or by the smallest of a few tolerances that it passes.
 void find_convexity(SolidParts& parts, const TriangleMesh& mesh, const Execution& execution)
 {
@@ -121,6 +133,8 @@ void find_convexity(SolidParts& parts, const TriangleMesh& mesh, const Execution
     for (const double tolerance : {1e-9, 1e-12, 0x1p-50}) {
         const auto hull = polyhedron_of_mesh(*whole, {tolerance, execution});
         if (!hull) return;
+        // Triangles of fewer than three corners, which `whole` is without, may reach out of it.
+        if (!have_same_corners(*hull, parts.hull)) return;
         const double error = hull_error_of(parts.hull, tolerance * diagonal);
         if (!(error < 0.1 * diagonal)) continue;
         parts.is_convex = true;

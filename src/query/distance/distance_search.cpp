@@ -99,11 +99,12 @@ bool DistanceSearch::ask(std::uint32_t row_a, std::uint32_t row_b) noexcept
                                   : std::max(std::sqrt(pair.squared_distance) / unit_,
                                              std::numeric_limits<double>::denorm_min());
     if (!(distance <= farthest_)) return false;
-    const auto order = [](double squared, TriangleId id_a, TriangleId id_b) {
-        return std::tuple(squared, id_a, id_b);
+    // By the distance, too: where squares vanish, only this tells what touches.
+    const auto order = [](double squared, double apart, TriangleId id_a, TriangleId id_b) {
+        return std::tuple(squared, apart, id_a, id_b);
     };
-    if (found_ && order(pair.squared_distance, first.id, second.id) >=
-                      order(best_squared_, best_.triangle_a, best_.triangle_b))
+    if (found_ && order(pair.squared_distance, distance, first.id, second.id) >=
+                      order(best_squared_, best_.distance, best_.triangle_a, best_.triangle_b))
         return false;
     found_ = true;
     best_squared_ = pair.squared_distance;

@@ -15,7 +15,7 @@ struct NearRows {
     std::uint32_t a = 0;
     std::uint32_t b = 0;
     /// From A's triangle to B's where they are closest, in A's axes, of any length and as exact as
-    /// floats are; zero where they meet.
+    /// floats are; of no meaning where they meet.
     Vec3 across = Vec3::Zero();
 };
 

@@ -195,6 +195,56 @@ TEST(IntersectionContour, OfCoplanarFacesIsTheBorderOfTheirOverlap)
     EXPECT_EQ(contour_of(sheet, sheet, shifted(Vec3(0.5, 0, 0))).length(), 3);
 }
 
+TEST(IntersectionContour, HasNoPointsWithinSharedAreas)
+{
+    // The diagonal of a square crosses edges of a grid, and vertices of it are within the triangles.
+    const TriangleMesh square = mesh_of(
+        {Vec3(-4, -4, 0), Vec3(4, -4, 0), Vec3(4, 4, 0), Vec3(-4, 4, 0)}, {{0, 1, 2}, {0, 2, 3}});
+    std::vector<Vec3> positions;
+    std::vector<TriangleCorners> triangles;
+    constexpr std::uint32_t columns = 8;
+    constexpr std::uint32_t rows = 3;
+    for (std::uint32_t i = 0; i <= columns; ++i) {
+        for (std::uint32_t k = 0; k <= rows; ++k) {
+            positions.emplace_back(0.5 * i - 2, k - 1.25, 0);
+            if (i == 0 || k == 0) continue;
+            const std::uint32_t at = i * (rows + 1) + k;
+            triangles.push_back({at - rows - 2, at - 1, at});
+            triangles.push_back({at - rows - 2, at, at - rows - 1});
+        }
+    }
+    const TriangleMesh grid = mesh_of(positions, triangles);
+    for (const IntersectionContour& contour :
+         {contour_of(square, grid, {}), contour_of(grid, square, {})}) {
+        ASSERT_EQ(contour.lines.size(), 1U);
+        EXPECT_TRUE(contour.lines[0].closed);
+        EXPECT_EQ(contour.length(), 2 * (4 + 3));
+    }
+    // All sides of a square that covers itself, the diagonals crossed, come in pairs: its corners say
+    // that the two meet.
+    const TriangleMesh doubled =
+        mesh_of({Vec3(-1, -1, 0), Vec3(1, -1, 0), Vec3(1, 1, 0), Vec3(-1, 1, 0)},
+                {{0, 1, 2}, {0, 2, 3}, {1, 0, 3}, {1, 3, 2}});
+    const TriangleMesh large =
+        mesh_of({Vec3(-9, -9, 0), Vec3(9, -9, 0), Vec3(0, 9, 0)}, {{0, 1, 2}});
+    EXPECT_FALSE(contour_of(large, doubled, {}).lines.empty());
+}
+
+TEST(IntersectionContour, IsThatOfTheMovedMeshWhereThePoseMovesVerticesTogether)
+{
+    const TriangleMesh ball = moved(make_icosphere(3), [](const Vec3& p) { return Vec3(5 * p); });
+    for (const int exponent : {51, 52, 53}) {
+        SCOPED_TRACE(exponent);
+        const RigidTransform pose = shifted(Vec3::Constant(std::ldexp(1.25, exponent)));
+        const TriangleMesh cube =
+            moved(make_cube(), [&](const Vec3& p) { return pose(Vec3(4 * p + Vec3(2, 4, 6))); });
+        const TriangleMesh there = moved(ball, [&](const Vec3& p) { return pose(p); });
+        const IntersectionContour contour = contour_of(cube, ball, pose);
+        EXPECT_FALSE(contour.points.empty());
+        expect_same(contour, contour_of(cube, there, {}));
+    }
+}
+
 TEST(IntersectionContour, OfATouchIsAPointOrAnEdge)
 {
     const TriangleMesh cube = make_cube();

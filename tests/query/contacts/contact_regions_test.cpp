@@ -14,6 +14,8 @@
 #include <gtest/gtest.h>
 #include <numbers>
 #include <random>
+#include <string_view>
+#include <thread>
 #include <vector>
 
 namespace proxima::contact_regions_test {
@@ -278,6 +280,23 @@ TEST(ContactRegions, OfOneOfManyThatAreFlushAreThoseOfItAlone)
         EXPECT_NEAR((region.normal + Vec3::UnitZ()).norm(), 0, 1e-9);
 }
 
+TEST(ContactRegions, OfFlushFacesThatAreCutDifferentlyAreOne)
+{
+    // The diagonal of the plate's face crosses the edges between the bar's slices.
+    const Solid plate = solid_of(box_mesh({Vec3(-4, -4, -1), Vec3(4, 4, 0)}));
+    for (const double low : {0.0, -0.5}) {
+        const TriangleMesh mesh = sliced_box({Vec3(-1, -2, low), Vec3(1, 2, low + 0.5)}, 8);
+        const Solid bar = solid_of(mesh);
+        const ContactRegions found = regions_of(plate, bar);
+        expect_sound(plate, bar, {}, found);
+        ASSERT_EQ(found.regions.size(), 1U) << low;
+        EXPECT_EQ(found.regions[0].length, 12);
+        EXPECT_NEAR((found.regions[0].normal - Vec3::UnitZ()).norm(), 0, 1e-9);
+        EXPECT_NEAR(found.regions[0].depth, -low, 1e-9);
+        EXPECT_EQ(found.regions[0].point_count, 4U);
+    }
+}
+
 TEST(ContactRegions, OfPosesThatAreNoRotationAreThoseOfTheMovedVertices)
 {
     const Solid cube = solid_of(make_cube());
@@ -314,6 +333,28 @@ TEST(ContactRegions, AreCancelledAtEveryStage)
             return contact_regions(ball, torus, {}, {.execution = {.progress = &progress}});
         },
         [] { return true; });
+}
+
+TEST(ContactRegions, AreCancelledWithinARegion)
+{
+    // Flush slices that cross: most of the region's time goes into their pairs of triangles.
+    const Solid a = solid_of(sliced_box({Vec3(-1, -1, -1), Vec3(1, 1, 0)}, 60));
+    const Solid b = solid_of(sliced_box({Vec3(-0.9, -0.8, 0), Vec3(0.9, 0.8, 1)}, 60));
+    RigidTransform pose;
+    pose.rotation << 0, -1, 0, 1, 0, 0, 0, 0, 1;
+    bool was_cancelled = false;
+    constexpr int most_runs = 20; // the other thread may come too late
+    for (int run = 0; run < most_runs && !was_cancelled; ++run) {
+        Progress progress;
+        std::thread other([&] {
+            while (std::string_view(progress.stage()) != "measuring contact regions")
+                std::this_thread::yield();
+            progress.cancel();
+        });
+        was_cancelled = !contact_regions(a, b, pose, {.execution = {.progress = &progress}});
+        other.join();
+    }
+    EXPECT_TRUE(was_cancelled);
 }
 
 TEST(ContactRegions, OfTwoBallsAreTheLens)

@@ -565,6 +565,28 @@ TEST(Solid, HasCavitiesWhereInnerShellsFaceInward)
     EXPECT_TRUE(solids_overlap(filled, tiny)) << "the other component still fills it";
 }
 
+// Seen from the middle of the mesh, the volume of a component so small is less than roundings.
+TEST(Solid, TellsHowSmallComponentsFaceFarFromTheMiddle)
+{
+    const auto box = [](double size, const Vec3& center) {
+        return moved(make_cube(), [=](const Vec3& p) { return Vec3(size * p + center); });
+    };
+    const TriangleMesh cube = make_cube();
+    const TriangleMesh shell = joined(cube, inverted(box(0.25, Vec3::Zero())));
+    for (int i = 0; i < 20; ++i) {
+        const Vec3 there(0.45 - 0.005 * i, 0.41 + 0.001 * i, 0.39 - 0.01 * i);
+        const TriangleMesh small = box(1e-7, there);
+        const auto hollow = build_solid(build_mesh_index(joined(cube, inverted(small))).value());
+        ASSERT_TRUE(hollow) << i << ": " << hollow.error().message;
+        const Solid smaller = solid_of(box(1e-8, there));
+        EXPECT_FALSE(solids_overlap(*hollow, smaller)) << i; // in the cavity
+        // A part by itself, beside a shell; turned inside out, it is no cavity of anything.
+        const TriangleMesh aside = box(1e-7, there + Vec3(1, 0, 0));
+        EXPECT_TRUE(build_solid(build_mesh_index(joined(shell, aside)).value())) << i;
+        EXPECT_FALSE(build_solid(build_mesh_index(joined(shell, inverted(aside))).value())) << i;
+    }
+}
+
 TEST(Solid, MayHaveCavitiesThatShareAVertex)
 {
     // Of two tetrahedra, along every axis both ways from their common corner. Triangles begin with any of
@@ -613,6 +635,25 @@ TEST(Solid, MayHaveCavitiesBesideTrianglesOfFewerCorners)
     const auto solid = build_solid(
         build_mesh_index(mesh_of({positions.begin(), positions.end()}, triangles)).value());
     EXPECT_TRUE(solid) << describe(solid.error());
+}
+
+// A triangle of two corners is a segment of the surface: the hull about it is not that of the rest.
+TEST(Solid, TellsHowFarSegmentsReachOutOfAConvexMesh)
+{
+    const TriangleMesh cube = cube_mesh(Vec3::Zero(), 1);
+    std::vector<Vec3> positions(cube.positions().begin(), cube.positions().end());
+    std::vector<TriangleCorners> triangles(cube.triangles().begin(), cube.triangles().end());
+    positions.emplace_back(5, 0, 0);
+    triangles.push_back({0, 0, static_cast<std::uint32_t>(cube.vertex_count())});
+    const Solid spiked = solid_of(mesh_of(positions, triangles));
+    EXPECT_FALSE(spiked.is_convex());
+    const Solid small = solid_of(cube_mesh(Vec3::Zero(), 0.25));
+    const RigidTransform pose = moved_by(Vec3(1.2, 0.5, 0.5));
+    const auto found = penetration_depth(spiked, small, pose);
+    ASSERT_TRUE(found);
+    expect_true_bounds(spiked, small, pose, *found);
+    EXPECT_FALSE(solids_overlap(spiked, small, moved_by(pose.translation + Vec3(0.06, 0, 0))));
+    EXPECT_LE(found->lower, 0.06);
 }
 
 // A cavity within a cavity is in nothing, though a vertex that both have may seem to be in what fills the rest.

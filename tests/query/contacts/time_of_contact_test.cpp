@@ -290,16 +290,14 @@ TEST(TimeOfContact, IsThatOfABallAndAPlane)
 
 TEST(TimeOfContact, IsThatOfATurningBar)
 {
-    // A bar about the z axis with its end at (5, 0) hits the cube's side at x = -1 ... the corner that
-    // passes y = 2 first is known in closed form.
+    // A bar about the z axis with its end at (5, 0), and a wall that covers [3, 5] x [2.5, 3.5].
     const TriangleMesh bar =
         moved(make_cube(), [](const Vec3& p) { return Vec3(5 * p.x(), 0.1 * p.y(), 0.1 * p.z()); });
     const TriangleMesh wall =
         moved(make_cube(), [](const Vec3& p) { return Vec3(p.x() + 4, 0.5 * p.y() + 3, p.z()); });
     const MeshIndex a = slabs_of(wall);
     const MeshIndex b = slabs_of(bar);
-    // Turning from the x axis towards y: the bar's side line y = x tan(angle) + 0.1 / cos(angle)
-    // reaches the wall's corner (3.., 2.5) nearest to it, or its end face's corner the plane y = 2.5.
+    // Turning from the x axis towards y, a corner of the bar's end comes to the wall's underside.
     const double half_turn = std::numbers::pi;
     RigidMotion motion = {.turn = Vec3(0, 0, half_turn)};
     const auto found = time_of_contact(a, b, motion);
@@ -312,14 +310,17 @@ TEST(TimeOfContact, IsThatOfATurningBar)
     EXPECT_LE(found->free_until, angle / half_turn + 1e-15);
     EXPECT_GE(found->touches_at, angle / half_turn - 1e-15);
     expect_consistent(a, b, motion, found, 1e-9);
-    // The other way round the other end comes first, half a turn earlier; revolutions do not matter.
+    // The other way round the other half comes, with its side against the wall's corner (3, 3.5);
+    // revolutions do not matter.
     motion.turn *= -20;
     const auto back = time_of_contact(a, b, motion);
     ASSERT_TRUE(back);
-    const double other = std::numbers::pi - std::asin(2.5 / radius) - std::atan2(0.1, 5.0);
-    EXPECT_LT(back->touches_at * 20, 1);
+    const double other =
+        std::numbers::pi - std::atan2(3.5, 3.0) - std::asin(0.1 / std::hypot(3.0, 3.5));
+    EXPECT_NEAR(back->free_until, other / (20 * half_turn), 1.1e-9);
+    EXPECT_LE(back->free_until, other / (20 * half_turn) + 1e-15);
+    EXPECT_GE(back->touches_at, other / (20 * half_turn) - 1e-15);
     expect_free_before(a, b, motion, back, 2000);
-    EXPECT_GT(other, 0);
     expect_consistent(a, b, motion, back, 1e-9);
 }
 

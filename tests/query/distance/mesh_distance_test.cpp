@@ -467,6 +467,26 @@ TEST(MeshDistance, IsNeverZeroApartHoweverNear)
     }
 }
 
+TEST(MeshDistance, IsZeroWhereMeshesTouchBesideTrianglesThatAreAllButTouching)
+{
+    // The first triangles are 1e-200 apart: in units of these meshes that is 0.
+    const double far = 1e250;
+    const auto mesh = [&](double height, double top) {
+        return testing::mesh_of({Vec3(0, 0, height), Vec3(1, 0, height), Vec3(0, 1, height + top),
+                                 Vec3(3 * far, 0, 0), Vec3(4 * far, 0, 0),
+                                 Vec3(3 * far, far, top * far)},
+                                {{0, 1, 2}, {3, 4, 5}});
+    };
+    const MeshIndex a = index_of(mesh(0, 0));
+    const MeshIndex b = index_of(mesh(1e-200, 1));
+    for (const auto& found : {mesh_distance(a, b), mesh_distance(b, a)}) {
+        ASSERT_TRUE(found);
+        EXPECT_EQ(found->distance, 0);
+        EXPECT_EQ(found->triangle_a, TriangleId{1});
+        EXPECT_EQ(found->triangle_b, TriangleId{1});
+    }
+}
+
 TEST(MeshDistance, FindsNothingForAnEmptyMesh)
 {
     const MeshIndex cube = index_of(cube_mesh(Vec3::Zero(), 1.0));
