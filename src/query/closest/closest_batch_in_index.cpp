@@ -268,7 +268,8 @@ std::array<std::uint32_t, 3> curve_cell(const IndexParts& index, const Vec3& p) 
         const auto k = static_cast<Eigen::Index>(axis);
         const double at = (p[k] - index.center()[k]) * index.scale();
         const double position = (at + reach) * (cells / (2 * reach));
-        cell[axis] = static_cast<std::uint32_t>(std::clamp(position, 0.0, cells - 1));
+        // Samples are taken before all points are known to be finite: NaN is in the first cell.
+        cell[axis] = position > 0 ? static_cast<std::uint32_t>(std::min(position, cells - 1)) : 0;
     }
     return cell;
 }

@@ -61,6 +61,7 @@ std::optional<ClosestFeature> closest_feature(const MeshIndex& index, const Vec3
 {
     const IndexParts& parts = index.parts();
     const double radius = options.radius;
+    if (!(radius >= 0)) return std::nullopt; // lists do not look at it, and its square is no less
     double known = radius;
     if (options.start_from != nullptr) {
         const double distance = (p - options.start_from->point).norm() + rounding_of_points(parts);

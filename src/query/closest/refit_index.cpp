@@ -164,12 +164,17 @@ private:
     Progress* progress_;
 };
 
+bool has_list(std::uint64_t word) noexcept
+{
+    return proximity_word::is_leaf(word) && word != proximity_word::search;
+}
+
 /// Takes away the lists that hold a triangle that moved. Runs are looked at entry by entry.
 void drop_moved_lists(const ProximityArrays& arrays, const std::vector<std::uint32_t>& moved,
                       std::span<std::uint64_t> words)
 {
     for (std::uint64_t& word : words) {
-        if (!proximity_word::is_leaf(word) || word == proximity_word::search) continue;
+        if (!has_list(word)) continue;
         const std::uint32_t position = proximity_word::position(word);
         bool stale = false;
         if (proximity_word::is_block(word)) {
@@ -266,6 +271,9 @@ refit_lists(const MeshIndex& index, const TriangleMesh& mesh, const Topology& to
         const std::vector<std::uint32_t> of_blocks = moved_of_blocks(old.arena, moved.moved);
         drop_moved_lists(old, of_blocks, nodes);
         drop_moved_lists(old, of_blocks, {&*root, 1});
+    }
+    // Where all moved, nothing is left to look at: to find that cell by cell takes as long as building.
+    if (moved.count > 0 && std::ranges::any_of(nodes, has_list)) {
         const auto features = collect_local_features(mesh, topology, index.ids(), lists.frame(),
                                                      options.execution.progress);
         if (!features) return cancelled("refitting the mesh index");

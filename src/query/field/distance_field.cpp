@@ -223,7 +223,7 @@ Status distance_field(const MeshIndex& index, const PointGrid& grid, const Field
                 const auto side_of = [&](const ClearBall& ball) { return writer.side_of(ball); };
                 const auto take = [&](const GridAnswers& answers) { writer.write(answers); };
                 search_grid(index.parts(), grid, block,
-                            {options.band, writer.has_open_sides(), side_of, take});
+                            {options.band, writer.has_open_sides(), side_of, take, progress});
             } else {
                 writer.write_one_by_one(block);
             }

@@ -1,5 +1,6 @@
 #include "query/field/search_grid.h"
 
+#include "base/progress.h"
 #include "index/index_parts.h"
 #include "index/visit_near.h"
 #include "query/closest/find_closest.h"
@@ -251,6 +252,7 @@ private:
 
     void enter(const GridBlock& block, std::size_t level, const GridPart& from)
     {
+        if (is_stopped()) return;
         const LeafBoxes& all = search_.leaves[level];
         GridPart part = part_of(search_.grid, block, from.inside);
         const double known = from.least + (part.middle - from.middle).norm();
@@ -340,6 +342,7 @@ private:
         double last_distance = infinite;
         std::size_t at = 0;
         for_each_point(part.block, [&](const Vec3& p) {
+            if (is_stopped()) return;
             const double known = last_distance + (p - last).norm();
             RowDistance& found = search_.found[at++];
             found = find_closest(index_, p, std::min(known, search_.question.band));
@@ -356,6 +359,7 @@ private:
         begin_answers(block);
         std::size_t at = 0;
         for_each_point(block, [&](const Vec3& p) {
+            if (is_stopped()) return;
             search_.found[at++] = find_closest(index_, p, search_.question.band);
         });
         search_.question.take({block, search_.found, false, std::nullopt});
@@ -381,6 +385,11 @@ private:
         }
     }
 
+    /// A point from which all of a round mesh is as far takes milliseconds: asked before each.
+    [[nodiscard]] bool is_stopped() const noexcept
+    {
+        return is_cancelled(search_.question.progress);
+    }
     /// Whether floats tell the part's points apart.
     [[nodiscard]] bool is_near(const GridPart& part) const noexcept
     {

@@ -14,6 +14,7 @@
 #include "index/index_parts.h"
 #include "index/triangle_row.h"
 #include "proxima/distance_field.h"
+#include "proxima/execution.h"
 #include "proxima/function_ref.h"
 
 #include <array>
@@ -56,6 +57,7 @@ struct GridQuestion {
     /// Whether all of a ball is inside, or outside; nothing where that is not known.
     FunctionRef<std::optional<bool>(const ClearBall&)> side_of;
     FunctionRef<void(const GridAnswers&)> take;
+    Progress* progress; ///< may be null; where it asks to stop, answers from then on are worthless
 };
 
 /// Searches for the closest features of a block's points and hands them over in pieces, each point

@@ -201,20 +201,23 @@ TEST(ClosestInIndex, RespectsARadius)
 {
     const TriangleMesh mesh = sample_mesh("spaceship:1300").value();
     const Topology topology = build_topology(mesh).value();
-    const MeshIndex index = build_mesh_index(mesh).value();
-    for (const Vec3& p : proximity_points(mesh, 200, 10)) {
-        const ClosestFeature truth = closest_feature_by_brute_force(mesh, topology, p);
-        const double distance = std::sqrt(truth.squared_distance);
-        for (const double radius : {0.0, 0.5 * distance, std::nextafter(distance, 0.0), distance,
-                                    std::nextafter(distance, 1e9), 2 * distance,
-                                    std::numeric_limits<double>::infinity()}) {
-            const auto found = closest_feature(index, p, {.radius = radius});
-            ASSERT_EQ(found.has_value(), truth.squared_distance <= radius * radius);
-            if (found) expect_same(*found, truth);
+    const MeshIndex plain = build_mesh_index(mesh).value();
+    constexpr double infinity = std::numeric_limits<double>::infinity();
+    for (const MeshIndex& index : {plain, with_lists(plain).value()}) {
+        for (const Vec3& p : proximity_points(mesh, 200, 10)) {
+            const ClosestFeature truth = closest_feature_by_brute_force(mesh, topology, p);
+            const double distance = std::sqrt(truth.squared_distance);
+            for (const double radius :
+                 {0.0, 0.5 * distance, std::nextafter(distance, 0.0), distance,
+                  std::nextafter(distance, 1e9), 2 * distance, infinity}) {
+                const auto found = closest_feature(index, p, {.radius = radius});
+                ASSERT_EQ(found.has_value(), truth.squared_distance <= radius * radius);
+                if (found) expect_same(*found, truth);
+            }
+            for (const double radius :
+                 {-1.0, -2 * distance - 1, -infinity, std::numeric_limits<double>::quiet_NaN()})
+                EXPECT_FALSE(closest_feature(index, p, {.radius = radius})) << radius;
         }
-        EXPECT_FALSE(closest_feature(index, p, {.radius = -1}));
-        EXPECT_FALSE(
-            closest_feature(index, p, {.radius = std::numeric_limits<double>::quiet_NaN()}));
     }
 }
 
@@ -402,6 +405,11 @@ TEST(ClosestInIndex, BatchesReportErrors)
         ASSERT_FALSE(status);
         EXPECT_NE(status.error().message.find("point 4500"), std::string::npos);
     }
+    // Also among those that are looked at to choose an order.
+    points[0][0] = std::numeric_limits<double>::quiet_NaN();
+    EXPECT_NE(
+        closest_features(index, points, {.distances = distances}).error().message.find("point 0"),
+        std::string::npos);
     Progress progress;
     progress.cancel();
     EXPECT_EQ(closest_features(index, points, {.squared_distances = distances},

@@ -62,11 +62,9 @@ void expect_answers(const MeshIndex& index, const TriangleMesh& mesh, const Topo
         ASSERT_NEAR(std::sqrt(found.squared_distance), std::sqrt(truth.squared_distance),
                     1e-12 * scale)
             << "at " << p.transpose();
-        ASSERT_NEAR((found.point - truth.point).norm(), 0,
-                    found.feature == truth.feature ? 1e-12 * scale : 2 * diagonal + scale);
-        if (found.feature == truth.feature) {
-            ASSERT_EQ(found.triangle, truth.triangle);
-        }
+        ASSERT_EQ(found.feature, truth.feature) << "at " << p.transpose();
+        ASSERT_EQ(found.triangle, truth.triangle);
+        ASSERT_NEAR((found.point - truth.point).norm(), 0, 1e-12 * scale);
     }
 }
 
@@ -144,6 +142,27 @@ TEST(RefitIndex, KeepsListsAwayFromMovedTriangles)
 
     const auto same = refit_index(built, mesh, topology).value();
     EXPECT_EQ(same.parts().lists()->statistics(), built.parts().lists()->statistics());
+}
+
+TEST(RefitIndex, LooksForNoLeavesWhereNoListIsLeft)
+{
+    const TriangleMesh mesh = sample_mesh("sphere:20x20").value();
+    const auto topology = build_topology(mesh).value();
+    const auto built = testing::listed_index(mesh).value();
+    const TriangleMesh smaller =
+        moved(mesh, [](std::size_t, const Vec3& p) -> Vec3 { return 0.99 * p; });
+    Progress progress;
+    const auto refitted =
+        refit_index(built, smaller, topology, {.execution = {.progress = &progress}}).value();
+    EXPECT_STREQ(progress.stage(), "moving boxes"); // no stage after it
+    const ProximityStatistics& counts = refitted.parts().lists()->statistics();
+    EXPECT_EQ(counts.searched_leaves, counts.leaves);
+    expect_answers(refitted, smaller, topology, points_about(mesh, smaller, 60));
+    // And from there on.
+    const auto back =
+        refit_index(refitted, mesh, topology, {.execution = {.progress = &progress}}).value();
+    EXPECT_STREQ(progress.stage(), "moving boxes");
+    expect_answers(back, mesh, topology, points_about(smaller, mesh, 60));
 }
 
 TEST(RefitIndex, IsTheSameForAnyNumberOfThreads)

@@ -1,18 +1,22 @@
 #include "proxima/distance_field.h"
 
 #include "geometry/exact_predicates.h"
+#include "index/index_parts.h"
 #include "index/test_meshes.h"
 #include "proxima/index_io.h"
 #include "proxima/sample_meshes.h"
 #include "proxima/topology.h"
 #include "query/closest/signed_mesh.h"
 #include "query/field/cut_meshes.h"
+#include "query/field/search_grid.h"
 
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <gtest/gtest.h>
 #include <map>
 #include <string>
+#include <unistd.h>
 #include <vector>
 
 namespace proxima::distance_field_test {
@@ -242,8 +246,10 @@ TEST(DistanceField, HasThemFromIndexesThatWereMovedOrSaved)
             .value();
     of.mesh = bent;
     expect_single_answers(of, grid_of(bent, 40));
-    of.index = with_lists(of.index, {}).value_or(of.index);
-    const auto file = std::filesystem::temp_directory_path() / "distance_field_test.pxi";
+    of.index = with_lists(of.index).value();
+    expect_single_answers(of, grid_of(bent, 20));
+    const auto file = std::filesystem::temp_directory_path() /
+                      ("distance_field_test_" + std::to_string(::getpid()) + ".pxi");
     Signed whole(bent);
     ASSERT_TRUE(save_index(whole.index, file));
     whole.index = load_index(file).value();
@@ -282,6 +288,34 @@ TEST(DistanceField, IsTheSameForAnyNumberOfThreadsAndCanBeCancelled)
     const Status stopped = many.fill(of.index, {.execution = {.progress = &progress}});
     ASSERT_FALSE(stopped);
     EXPECT_EQ(stopped.error().code, ErrorCode::cancelled);
+}
+
+TEST(DistanceField, StopsWithinABlock)
+{
+    const MeshIndex ball = build_mesh_index(sample_mesh("icosphere:5").value()).value();
+    // All of the ball is about as near, and each point searches the tree; parts of a block choose
+    // among leaves; floats tell nothing.
+    for (const PointGrid& grid :
+         {PointGrid{.origin = Vec3::Constant(-0.01), .spacing = 0.005, .size = {5, 5, 5}},
+          PointGrid{.origin = Vec3::Constant(-1.5), .spacing = 0.1, .size = {32, 32, 32}},
+          PointGrid{.origin = Vec3::Constant(70), .spacing = 0.1, .size = {4, 4, 4}}}) {
+        SCOPED_TRACE(grid.origin.x());
+        Progress progress;
+        const auto count_found = [&] {
+            std::uint64_t count = 0;
+            const auto take = [&](const GridAnswers& answers) {
+                count += static_cast<std::uint64_t>(
+                    std::ranges::count_if(answers.found, &RowDistance::found));
+            };
+            const auto side_of = [](const ClearBall&) -> std::optional<bool> { return {}; };
+            search_grid(ball.parts(), grid, {.size = grid.size},
+                        {HUGE_VAL, false, side_of, take, &progress});
+            return count;
+        };
+        EXPECT_EQ(count_found(), grid.point_count());
+        progress.cancel();
+        EXPECT_EQ(count_found(), 0U);
+    }
 }
 
 TEST(DistanceField, CountsTheMemoryOfTheBorderOfAnOpenMesh)
