@@ -108,8 +108,8 @@ enum class SlideEnd : std::uint8_t {
     overloaded ///< more triangles are near than there is memory for: the proxy stays where it is
 };
 
-/// The fault of a tick's input: a position that is not finite, or beyond 1e150 in the model's units;
-/// one farther from the last than max_jump.
+/// The fault of a tick's input: a position that is not finite, or beyond 1e150 in the model's units,
+/// a tool's beyond 2^40 clearances; one farther from the last than max_jump.
 enum class InputFault : std::uint8_t { none, not_finite, jumped };
 
 /// A point of the surface that holds the proxy back. In the model's units and frame.

@@ -42,7 +42,7 @@ class TouchScene;
 /// An object at rest, in a pose in the scene.
 struct ToolObject {
     MeshIndex index;
-    RigidTransform pose = {};
+    RigidTransform pose = {}; ///< the renderer makes it rigid, by make_rigid_transform
 };
 
 struct ToolRenderOptions {

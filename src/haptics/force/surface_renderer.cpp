@@ -64,6 +64,7 @@ Vec3 SurfaceRenderer::accept(const DeviceState& state) noexcept
         if (probe_) placed_ = false;
         guard_.restart();
         passivity_.restart();
+        ramp_observer_.restart();
     }
     return reported;
 }
@@ -76,8 +77,7 @@ double SurfaceRenderer::advance_scene(double seconds) noexcept
     is_carried_ = false;
     if (!placed_) return change.seconds;
     const ProxyTick& last = proxy_.last();
-    const bool touched =
-        change.exchanged && (!last.is_placed || is_at_exchanged_body(&MovingSurface::was_apart));
+    const bool touched = change.exchanged && is_at_exchanged_body(&MovingSurface::was_apart);
     if (change.moved && last.is_placed) {
         const CarriedGoal goal = carry_goal(last.proxy);
         const auto position = carried(last.proxy, goal.position);

@@ -5,8 +5,8 @@
 //     searched   on shells round it, and from there as near as a slide comes
 //
 // Takes the nearest candidate from which a point can reach the wanted position, else the nearest of
-// all; none farther than four radii. So a sphere starts at the mouth of a crevice, or beside a thin
-// wall, and nowhere where all gaps are too narrow.
+// all; none farther than four radii. So a sphere starts at the mouth of a crevice if a candidate
+// reaches it, or beside a wall, and nowhere where all gaps are too narrow.
 #pragma once
 
 #include "haptics/proxy/slide_sphere.h"

@@ -29,7 +29,7 @@ void Proxy::place(const Vec3& p) noexcept
 const ProxyTick& Proxy::wait(const Vec3& p) noexcept
 {
     tick_ = {};
-    tick_.proxy = tick_.anchor = p;
+    tick_.proxy = tick_.anchor = tick_.slide.center = p;
     tick_.is_placed = false;
     return tick_;
 }

@@ -72,14 +72,14 @@ ObjectTrajectory::ObjectTrajectory(const ObjectCourse& course, SceneTime time) n
 
 void ObjectTrajectory::follow(const ObjectCourse& course) noexcept
 {
-    next_ = course;
-    has_next_ = true;
+    if (waiting_count_ == waiting_.size()) --waiting_count_;
+    waiting_[waiting_count_++] = course;
 }
 
 void ObjectTrajectory::start(SceneTime time) noexcept
 {
-    if (has_next_) course_ = next_;
-    has_next_ = false;
+    if (waiting_count_ > 0) course_ = waiting_[waiting_count_ - 1];
+    waiting_count_ = 0;
     resting_ = course_.rests_at(time);
     moved_ = false;
     before_ = now_ = course_.pose_at(time);
@@ -89,9 +89,12 @@ void ObjectTrajectory::advance(SceneTime time) noexcept
 {
     before_ = now_;
     moved_ = false;
-    if (has_next_ && time >= next_.start()) {
-        course_ = next_;
-        has_next_ = false;
+    std::size_t begun = 0;
+    while (begun < waiting_count_ && time >= waiting_[begun].start()) ++begun;
+    if (begun > 0) {
+        course_ = waiting_[begun - 1];
+        std::move(waiting_.begin() + begun, waiting_.begin() + waiting_count_, waiting_.begin());
+        waiting_count_ -= begun;
         resting_ = false;
     }
     if (resting_) return;

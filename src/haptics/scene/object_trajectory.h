@@ -11,6 +11,9 @@
 #include "proxima/geometry.h"
 #include "proxima/touch_scene.h"
 
+#include <array>
+#include <cstddef>
+
 namespace proxima {
 
 /// Where an object is that has coasted from the motion's pose for so many seconds.
@@ -55,7 +58,7 @@ public:
     ObjectTrajectory(const ObjectCourse& course, SceneTime time) noexcept;
 
     /// Takes another course once the time is there at which it begins, which is ahead for a tool that
-    /// lags behind; the course given last counts.
+    /// lags behind. So courses wait; one that finds no room takes the place of the last of them.
     void follow(const ObjectCourse& course) noexcept;
 
     /// As if it had been there at rest before.
@@ -69,9 +72,12 @@ public:
     [[nodiscard]] bool moved() const noexcept { return moved_; } ///< in the last tick
 
 private:
+    /// A tool lags behind by a few ticks (scene_clock.h), and each tick brings one course at most.
+    static constexpr std::size_t most_waiting = 8;
+
     ObjectCourse course_;
-    ObjectCourse next_;
-    bool has_next_ = false;
+    std::array<ObjectCourse, most_waiting> waiting_; ///< the earliest first
+    std::size_t waiting_count_ = 0;
     bool resting_ = true;
     bool moved_ = false;
     RigidTransform before_;

@@ -77,13 +77,22 @@ bool ToolProxy::is_free(const RigidTransform& pose) const noexcept
 
 bool ToolProxy::place(const RigidTransform& pose) noexcept
 {
+    friction_.restart();
+    held_count_ = 0;
+    path_count_ = 0;
+    last_seen_ = 0;
+    work_ = {};
+    end_ = ToolEnd::settled;
+    list_margin_ = -1;
+    most_margin_ = base_margin_;
+    near_count_ = 0;
     if (!is_free(pose)) return false;
     for (SeenObject& object : objects_) {
         object.pose = object.goal;
         object.look_at(pose);
     }
     const RigidTransform before = std::exchange(pose_, pose);
-    bool is_free = list_pairs_once(base_margin_);
+    bool is_free = list_pairs(base_margin_);
     if (is_free) {
         const double least = 0.5 * options_.clearance;
         for (const SeenObject& object : objects_) {
@@ -101,12 +110,7 @@ bool ToolProxy::place(const RigidTransform& pose) noexcept
         pose_ = before;
         list_margin_ = -1;
     }
-    friction_.restart();
-    held_count_ = 0;
-    path_count_ = 0;
-    last_seen_ = 0;
     most_margin_ = base_margin_;
-    near_count_ = 0;
     return is_free;
 }
 

@@ -168,7 +168,7 @@ private:
     std::size_t pair_count_ = 0;
     std::size_t near_count_ = 0;  ///< pairs that were near in the last move
     std::size_t plain_count_ = 0; ///< of a move: pairs that only a vertex of one triangle can touch
-    double travelled_ = 0;        ///< by points of the tool since it was placed, at most, as seen
+    double travelled_ = 0;        ///< by points of the tool since the last list, at most, as seen
     std::vector<double> apart_until_; ///< by pair: its triangles meet no sooner than that much
                                       ///< was travelled
     std::vector<NearPair*> open_;     ///< pairs that no known plane keeps apart

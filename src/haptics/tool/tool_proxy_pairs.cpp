@@ -36,6 +36,7 @@ constexpr double near_clearances = 2;
 bool ToolProxy::list_pairs_once(double margin) noexcept
 {
     pair_count_ = 0;
+    travelled_ = 0; // so that what pairs have is not lost in its rounding
     list_margin_ = -1;
     for (std::size_t at = 0; at < objects_.size(); ++at) {
         SeenObject& object = objects_[at];

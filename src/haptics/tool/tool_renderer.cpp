@@ -10,6 +10,7 @@
 #include "haptics/tool/tool_proxy.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdint>
 #include <memory>
@@ -23,6 +24,8 @@ namespace {
 
 /// Squares of larger coordinates overflow.
 constexpr double most_coordinate = 1e150;
+/// Of clearances: a device farther away is a fault. The clearance would be lost in rounding.
+constexpr double farthest_device = 0x1p40;
 /// The clearance over the scene's size, at least: positions are rounded by 2^-52 of it.
 constexpr double least_clearance = 0x1p-30;
 /// An object that the tool holds up for longer lets it go, once the device is free.
@@ -142,9 +145,18 @@ Result<MeshIndex> index_of(const ContactBody& body)
     return body.is_refit() ? build_mesh_index(body.mesh()) : body.mesh_index();
 }
 
-bool is_usable(const RigidTransform& pose) noexcept
+/// Of rounded numbers; others are as they are.
+Result<RigidTransform> nearest_rigid(const RigidTransform& pose)
 {
-    return (pose.translation.array().abs() <= most_coordinate).all() &&
+    std::array<double, 12> matrix{};
+    Eigen::Map<Eigen::Matrix<double, 3, 4, Eigen::RowMajor>>(matrix.data()) << pose.rotation,
+        pose.translation;
+    return make_rigid_transform(matrix);
+}
+
+bool is_usable(const RigidTransform& pose, double farthest) noexcept
+{
+    return (pose.translation.array().abs() <= farthest).all() &&
            (pose.rotation.transpose() * pose.rotation - Mat3::Identity()).norm() <
                nearly_rigid_tolerance &&
            pose.rotation.determinant() > 0;
@@ -231,7 +243,8 @@ private:
         tick_.fault = InputFault::none;
         travel_ = {};
         RigidTransform pose = state.pose;
-        if (!is_usable({pose.rotation, map_.to_model(pose.translation)})) {
+        const double farthest = farthest_device * options_.clearance * map_.units_per_metre;
+        if (!is_usable({pose.rotation, map_.to_model(pose.translation)}, farthest)) {
             tick_.fault = InputFault::not_finite;
             return;
         }
@@ -417,13 +430,16 @@ Result<ToolRenderer> make_tool_renderer(const MeshIndex& tool, std::span<const T
 {
     if (Status status = check_tool_settings(map, device, options); !status)
         return tl::unexpected(status.error());
-    for (const ToolObject& object : objects) {
-        if (!is_usable(object.pose)) {
+    std::vector<ToolObject> placed(objects.begin(), objects.end());
+    for (ToolObject& object : placed) {
+        const auto pose = nearest_rigid(object.pose);
+        if (!pose || !is_usable(*pose, most_coordinate)) {
             return fail(ErrorCode::invalid_argument, "the pose of an object must be rigid",
                         "objects");
         }
+        object.pose = *pose;
     }
-    return ToolSurfaceRenderer::make(tool, objects, nullptr, map, device, options);
+    return ToolSurfaceRenderer::make(tool, placed, nullptr, map, device, options);
 }
 
 Result<ToolRenderer> make_tool_renderer(const MeshIndex& tool, TouchScene& scene,

@@ -234,6 +234,56 @@ TEST(ToolRenderer, AToolThatBeginsInsideFeelsNothingUntilItIsOut)
     }
 }
 
+TEST(ToolRenderer, AfterAResetInsideNothingIsTouched)
+{
+    ToolRenderer renderer = renderer_for(strong_device(), plain_springs());
+    for (int i = 0; i < 5; ++i) (void)renderer.tick(state_at(pose_at({0, 0, 0.02})), 1e-3);
+    for (int i = 0; i < 20; ++i) (void)renderer.tick(state_at(pose_at({0, 0, 0.008})), 1e-3);
+    ASSERT_GT(renderer.last().contact_count, 0U);
+    renderer.reset();
+    const ToolTick& tick = renderer.tick(state_at(pose_at({0, 0, 0.001})), 1e-3);
+    EXPECT_FALSE(tick.is_placed);
+    EXPECT_EQ(tick.contact_count, 0U);
+    EXPECT_EQ(tick.moves, 0);
+    EXPECT_TRUE(renderer.path().empty());
+}
+
+TEST(ToolRenderer, ADeviceThatIsFarAwayForSomeTicksLeadsTheToolIntoNothing)
+{
+    // Faults from 2^40 clearances on, 1e7 m.
+    for (const auto& [far, ticks] : {std::pair{1e6, 50}, {1e12, 60}, {1e15, 80}, {1e100, 400}}) {
+        ToolBench bench(box_mesh(Vec3::Constant(half)),
+                        {{index_of(box_mesh({0.1, 0.1, 0.05}, {0, 0, -0.05})), {}}},
+                        plain_springs());
+        bench.start(pose_at({0, 0, 0.02}));
+        for (int i = 0; i < ticks; ++i) (void)bench.tick(pose_at({0, 0, far}));
+        EXPECT_EQ(bench.renderer().last().fault == InputFault::not_finite, far > 1e7) << far;
+        for (int i = 0; i < 300; ++i) (void)bench.tick(pose_at({0, 0, 0.02}));
+        EXPECT_LT((bench.renderer().last().proxy.translation - Vec3(0, 0, 0.02)).norm(), 1e-9)
+            << far;
+        for (int i = 0; i < 100; ++i) {
+            (void)bench.tick(pose_at({0, 0, 0.02 - 0.012 * i / 100}));
+            ASSERT_FALSE(bench.meets()) << far;
+        }
+    }
+}
+
+/// As rounded numbers make it: the box is not stretched by them.
+TEST(ToolRenderer, PosesOfObjectsAreMadeRigid)
+{
+    const ToolObject box = {index_of(box_mesh({1, 1, 0.5}, {0, 0, -0.5})),
+                            {(1 + 2e-4) * Mat3::Identity(), Vec3(0, 0, 0.5)}};
+    auto renderer = make_tool_renderer(index_of(box_mesh(Vec3::Constant(half))), std::span(&box, 1),
+                                       {}, strong_device(), plain_springs())
+                        .value();
+    for (int i = 0; i < 250; ++i)
+        (void)renderer.tick(state_at(pose_at({1.02 - 0.012 * std::min(i, 199) / 199, 0, 0})), 1e-3);
+    const ToolTick& tick = renderer.last();
+    EXPECT_NEAR(tick.proxy.translation.x(), 1 + half + 1e-5, 1e-6);
+    ASSERT_GT(tick.contact_count, 0U);
+    EXPECT_NEAR(tick.contacts[0].normal.norm(), 1, 1e-12);
+}
+
 /// Led through a closed path in contact, the springs give back what they took: nothing is dissipated
 /// without friction, and nothing is made.
 TEST(ToolRenderer, ClosedPathsMakeNoEnergy)
