@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace proxima {
 
@@ -35,6 +36,27 @@ struct SampleRange {
           last(static_cast<int>(std::floor(std::clamp(upper - 0.5, -1.0, count - 1.0))))
     {}
 };
+
+/// The samples of a row that a triangle may cover, some more rather than less: those between its
+/// edges from the row's upper end, `top`, to its lower one.
+SampleRange part_of_row(const std::array<Vec2, 3>& corners, double top, int count)
+{
+    double left = std::numeric_limits<double>::infinity();
+    double right = -left;
+    for (std::size_t k = 0; k < 3; ++k) {
+        const Vec2& from = corners[k];
+        const Vec2 along = corners[(k + 1) % 3] - from;
+        const double end = from.y() + along.y();
+        if (std::max(from.y(), end) < top || std::min(from.y(), end) > top + 1.0) continue;
+        for (const double below : {0.0, 1.0}) {
+            const double part = along.y() == 0.0 ? below : (top + below - from.y()) / along.y();
+            const double x = from.x() + std::clamp(part, 0.0, 1.0) * along.x();
+            left = std::min(left, x);
+            right = std::max(right, x);
+        }
+    }
+    return {left - 1.0, right + 1.0, count};
+}
 
 } // namespace
 
@@ -88,8 +110,12 @@ void Canvas::cover(const std::array<ScreenPoint, 3>& triangle, const Put& put) c
     const Vec2 upper = a.cwiseMax(corner(1)).cwiseMax(corner(2));
     const SampleRange across(lower.x(), upper.x(), columns_);
     const SampleRange down(lower.y(), upper.y(), rows_);
+    constexpr int narrow = 8; // samples: to test them all takes no longer than to leave some out
+    const bool is_narrow = across.last - across.first < narrow;
+    const std::array<Vec2, 3> corners = {a, corner(1), corner(2)};
     for (int y = down.first; y <= down.last && !stopped(); ++y) {
-        for (int x = across.first; x <= across.last; ++x) {
+        const SampleRange part = is_narrow ? across : part_of_row(corners, y, columns_);
+        for (int x = part.first; x <= part.last; ++x) {
             const Vec2 offset = Vec2(x + 0.5, y + 0.5) - a;
             const double v = (offset.x() * ac.y() - offset.y() * ac.x()) / area;
             const double w = (ab.x() * offset.y() - ab.y() * offset.x()) / area;

@@ -221,6 +221,7 @@ public:
         set(program, "clip", clip);
         set(program, "size", Vec2(size.width, size.height));
         set(program, "width", static_cast<float>(lines.width));
+        set(program, "least", static_cast<float>(view.near()));
         set(program, "lift", static_cast<float>(lift));
         set(program, "depth_of_nearness", depth_of_nearness);
         set(program, "own", vector_of(lines.color));

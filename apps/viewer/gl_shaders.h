@@ -62,6 +62,7 @@ uniform mat4 clip;
 uniform vec2 size;
 uniform float width;
 uniform float lift;
+uniform float least;
 uniform vec2 depth_of_nearness;
 uniform vec4 cut;
 out float beyond;
@@ -69,7 +70,6 @@ void main() {
     beyond = dot(cut.xyz, gl_VertexID < 2 ? from : to) - cut.w;
     vec4 a = clip * vec4(from, 1.0);
     vec4 b = clip * vec4(to, 1.0);
-    const float least = 1e-4;
     if (a.w < least && b.w < least) { gl_Position = vec4(0.0, 0.0, 2.0, 1.0); return; }
     if (a.w < least) a = mix(a, b, (least - a.w) / (b.w - a.w));
     if (b.w < least) b = mix(b, a, (least - b.w) / (a.w - b.w));

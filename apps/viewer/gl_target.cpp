@@ -50,8 +50,7 @@ Status GlTarget::bind(ViewSize size, int samples)
         glBindFramebuffer(GL_FRAMEBUFFER, fine_.name());
         return {};
     }
-    size_ = size;
-    samples_ = samples;
+    size_ = {.width = 0, .height = 0}; // until all of it is there
     const GLsizei storage = samples > 1 ? samples : 0;
     glBindTexture(GL_TEXTURE_2D, plain_color_.name());
     glTexImage2D(GL_TEXTURE_2D, 0, GL_SRGB8_ALPHA8, size.width, size.height, 0, GL_RGBA,
@@ -75,6 +74,8 @@ Status GlTarget::bind(ViewSize size, int samples)
     glFramebufferRenderbuffer(GL_FRAMEBUFFER, GL_DEPTH_ATTACHMENT, GL_RENDERBUFFER, depth_.name());
     if (glCheckFramebufferStatus(GL_FRAMEBUFFER) != GL_FRAMEBUFFER_COMPLETE)
         return fail(ErrorCode::unsupported_format, "there is no sRGB framebuffer", "OpenGL");
+    size_ = size;
+    samples_ = samples;
     return {};
 }
 

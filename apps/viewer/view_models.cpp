@@ -2,6 +2,7 @@
 
 #include "base/file_extension.h"
 #include "base/memory_budget.h"
+#include "base/progress.h"
 #include "base/text.h"
 #include "cli/model_options.h"
 #include "proxima/cast_ray.h"
@@ -94,8 +95,11 @@ Result<std::shared_ptr<const ViewModel>> make_view_model(std::string name, Trian
     model->edge = edge_of_usual_triangle(mesh);
     model->up = up;
     model->color = srgb(model_colors[number % model_colors.size()]);
+    StageSteps steps(context.progress, "shading the surface", 2, 1);
     model->flat = surface_scene(mesh, model->color, Smoothing::flat);
+    if (!steps.done(1)) return cancelled("shading the surface", name);
     model->smooth = surface_scene(mesh, model->color, Smoothing::smooth);
+    if (!steps.done(1)) return cancelled("shading the surface", name);
     model->name = std::move(name);
     model->mesh = std::move(mesh);
     model->topology = std::move(*topology);

@@ -2,7 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <ctime>
 #include <limits>
+#include <random>
 
 namespace proxima::canvas_test {
 namespace {
@@ -56,6 +58,75 @@ TEST(Canvas, FillsTrianglesOfEitherOrientation)
         EXPECT_GT(image.pixel(10, 9)[1], 50);
         EXPECT_LT(image.pixel(10, 9)[1], 230);
     }
+}
+
+/// How far within a triangle a point lies: 0 on its border, negative outside.
+double depth_within(const std::array<ScreenVertex, 3>& triangle, const Vec2& point)
+{
+    const auto turn = [](const Vec2& a, const Vec2& b) { return a.x() * b.y() - a.y() * b.x(); };
+    const auto corner = [&](std::size_t k) -> Vec2 {
+        return {triangle[k % 3].point.x, triangle[k % 3].point.y};
+    };
+    const double side = turn(corner(1) - corner(0), corner(2) - corner(0)) > 0 ? 1.0 : -1.0;
+    double least = std::numeric_limits<double>::infinity();
+    for (std::size_t k = 0; k < 3; ++k) {
+        const Vec2 along = corner(k + 1) - corner(k);
+        least = std::min(least, side * turn(along, point - corner(k)) / along.norm());
+    }
+    return least;
+}
+
+TEST(Canvas, FillsEverySampleOfATriangleAndNoOther)
+{
+    constexpr unsigned seed = 5;
+    constexpr int side = 24;
+    std::mt19937 random(seed);
+    std::uniform_real_distribution<double> any(-1.0, 1.0);
+    for (int i = 0; i < 2000; ++i) {
+        // Small and large ones, slivers among them.
+        const double reach = i % 3 == 0 ? 3.0 : i % 3 == 1 ? 30.0 : 3e5;
+        const Vec2 middle(12 + 12 * any(random), 12 + 12 * any(random));
+        std::array<ScreenVertex, 3> triangle;
+        for (ScreenVertex& vertex : triangle) {
+            vertex = {{middle.x() + reach * any(random), middle.y() + reach * any(random), 1.0},
+                      red};
+        }
+        if (i % 5 == 0) triangle[2].point.y = triangle[1].point.y; // level
+        if (i % 7 == 0) triangle[2].point.x = triangle[0].point.x; // upright
+        Canvas canvas(side, side);
+        canvas.draw_triangle(triangle);
+        const Image image = canvas.image();
+        for (int y = 0; y < side; ++y) {
+            for (int x = 0; x < side; ++x) {
+                double least = std::numeric_limits<double>::infinity();
+                double most = -least;
+                for (const Vec2& at : {Vec2(x + 0.25, y + 0.25), Vec2(x + 0.75, y + 0.25),
+                                       Vec2(x + 0.25, y + 0.75), Vec2(x + 0.75, y + 0.75)}) {
+                    least = std::min(least, depth_within(triangle, at));
+                    most = std::max(most, depth_within(triangle, at));
+                }
+                constexpr double rounding = 1e-9;
+                if (least > rounding) {
+                    EXPECT_EQ(image.pixel(x, y), red_pixel) << "seed " << seed << " " << i;
+                } else if (most < -rounding) {
+                    EXPECT_EQ(image.pixel(x, y), white_pixel) << "seed " << seed << " " << i;
+                }
+            }
+        }
+    }
+}
+
+TEST(Canvas, LongThinTrianglesTakeTimeForWhatTheyCoverAlone)
+{
+    Canvas canvas(1000, 1000);
+    const std::clock_t start = std::clock();
+    for (int i = 0; i < 600; ++i) {
+        const double at = 10.0 + 0.1 * i;
+        canvas.draw_triangle(
+            {{{{at, 0, 1}, red}, {{at + 1, 0, 1}, red}, {{at + 900, 1000, 1}, red}}});
+    }
+    EXPECT_LT(static_cast<double>(std::clock() - start) / CLOCKS_PER_SEC, 1.0);
+    EXPECT_EQ(canvas.image().pixel(20, 0), red_pixel);
 }
 
 TEST(Canvas, NearerTrianglesHideFartherOnesInAnyOrder)

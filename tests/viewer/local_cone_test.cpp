@@ -7,7 +7,9 @@
 #include <Eigen/LU>
 #include <array>
 #include <cmath>
+#include <ctime>
 #include <gtest/gtest.h>
+#include <numbers>
 #include <random>
 
 namespace proxima::local_cone_test {
@@ -223,6 +225,52 @@ TEST(LocalCone, DistinguishesConvexFromConcaveFeatures)
     ASSERT_TRUE(line);
     EXPECT_EQ(line->shape, ConeShape::line);
     EXPECT_EQ(line->corners[0].direction, Vec3::UnitZ());
+}
+
+TEST(LocalCone, OfVerticesWithThousandsOfTrianglesIsFoundSoon)
+{
+    // Triangles round a point: of a disc, of a cone, and of a disc's border, as caps of cylinders
+    // have them, with a wall below.
+    constexpr std::uint32_t count = 2000;
+    std::vector<Vec3> circle;
+    for (std::uint32_t i = 0; i < count; ++i) {
+        const double angle = 2.0 * std::numbers::pi * i / count;
+        circle.emplace_back(std::cos(angle), std::sin(angle), 0.0);
+    }
+    const auto fan_from = [&](const Vec3& middle) {
+        std::vector<Vec3> positions = circle;
+        positions.push_back(middle);
+        std::vector<TriangleCorners> triangles;
+        for (std::uint32_t i = 0; i < count; ++i) triangles.push_back({i, (i + 1) % count, count});
+        return shape("fan", std::move(positions), std::move(triangles));
+    };
+    std::vector<Vec3> positions = circle;
+    positions.emplace_back(1.0, 0.0, -1.0);
+    std::vector<TriangleCorners> triangles;
+    for (std::uint32_t i = 1; i + 1 < count; ++i) triangles.push_back({0, i, i + 1});
+    triangles.push_back({1, 0, count});
+    triangles.push_back({0, count - 1, count});
+    const Shape disc = fan_from({0, 0, 0});
+    const Shape spike = fan_from({0, 0, 1});
+    const Shape cap = shape("cap", std::move(positions), std::move(triangles));
+    struct Case {
+        const Shape& of;
+        std::uint32_t vertex;
+        ConeShape shape;
+        std::size_t corners;
+    };
+    for (const Case& tried :
+         {Case{disc, count, ConeShape::line, 1}, Case{spike, count, ConeShape::solid, count},
+          Case{cap, 0, ConeShape::solid, 3}}) {
+        const std::clock_t start = std::clock();
+        const auto cone =
+            local_cone(tried.of.mesh, tried.of.topology, {FeatureKind::vertex, tried.vertex});
+        const double seconds = static_cast<double>(std::clock() - start) / CLOCKS_PER_SEC;
+        ASSERT_TRUE(cone) << describe(cone.error());
+        EXPECT_EQ(cone->shape, tried.shape) << tried.of.name;
+        EXPECT_EQ(cone->corners.size(), tried.corners) << tried.of.name;
+        EXPECT_LT(seconds, 2.0) << tried.of.name;
+    }
 }
 
 TEST(LocalCone, RefusesFeaturesWithoutACone)

@@ -285,6 +285,18 @@ TEST(Panels, CutPlaneFillsASliceAndCutsTheMesh)
     EXPECT_NEAR(area, std::pow(root.maxCoeff(), 2), 1e-9);
 }
 
+TEST(Panels, CutPlaneFillsASliceAtBothEndsOfTheRoot)
+{
+    Shown shown({"cube"}, "octree",
+                {"depth=2", "subdivision=uniform", "inner=on", "outer=on", "cut plane=on"});
+    for (const char* const axis : {"x", "y", "z"}) {
+        for (const char* const at : {"-1", "0", "1"}) {
+            shown.set({std::string("cut axis=") + axis, std::string("cut at=") + at});
+            EXPECT_EQ(shown.triangles("cut cells"), 2U * 16U) << axis << ' ' << at;
+        }
+    }
+}
+
 TEST(Panels, ClosestPanelFindsWhatBruteForceFinds)
 {
     Shown shown({"torus:24x12"}, "closest");
@@ -317,6 +329,28 @@ TEST(Panels, VoronoiPanelStartsWithARegionNearTheCursor)
         for (const char* const kind : {"feature=vertex", "feature=edge", "feature=face"}) {
             shown.set({kind});
             EXPECT_EQ(shown.fact("region"), "drawn") << model << ' ' << kind;
+        }
+    }
+}
+
+TEST(Panels, VoronoiPanelShowsAFeatureOfTheModelThatIsChosen)
+{
+    // One that nobody has chosen, and one that somebody has: the cube has no such number.
+    for (const std::vector<std::string>& chosen :
+         {std::vector<std::string>{}, std::vector<std::string>{"number=600"}}) {
+        for (const char* const kind : {"vertex", "edge", "face"}) {
+            Shown shown({"icosphere:3", "cube"}, "voronoi", {std::string("feature=") + kind});
+            shown.set(chosen);
+            shown.set({"model=2"});
+            const ViewModel& cube = *shown.viewer.models()[1];
+            const std::size_t count = kind == std::string_view("vertex") ? cube.mesh.vertex_count()
+                                      : kind == std::string_view("edge")
+                                          ? cube.topology.edge_count()
+                                          : cube.mesh.triangle_count();
+            const std::string fact = shown.fact("feature");
+            ASSERT_TRUE(fact.starts_with(kind)) << fact;
+            EXPECT_LT(std::stoul(fact.substr(fact.find(' '))), count) << fact;
+            EXPECT_TRUE(shown.fact("region").starts_with("drawn")) << shown.fact("region");
         }
     }
 }
@@ -422,6 +456,36 @@ TEST(Panels, MinkowskiPanelPushesPlanesOutward)
     shown.viewer.update(0.1);
     ASSERT_TRUE(shown.viewer.finish());
     EXPECT_GT(bounding_box(shown.viewer.layers()).upper.x(), 1.25);
+}
+
+TEST_F(PanelsOfFiles, MinkowskiPanelSumsWhatTheTrianglesOfAModelBound)
+{
+    std::ofstream(path("stray.obj")) << "v -1 -1 -1\nv 1 -1 -1\nv 1 1 -1\nv -1 1 -1\n"
+                                        "v -1 -1 1\nv 1 -1 1\nv 1 1 1\nv -1 1 1\n"
+                                        "v 10 0 0\n" // of no triangle
+                                        "f 1 4 3 2\nf 5 6 7 8\nf 1 2 6 5\n"
+                                        "f 2 3 7 6\nf 3 4 8 7\nf 4 1 5 8\n";
+    const Shown shown({path("stray.obj").string()}, "minkowski",
+                      {"A=model", "B=octahedron", "size of B=0.5", "copies of B=off"});
+    EXPECT_EQ(shown.fact("facets"), "26");
+    EXPECT_EQ(shown.fact("corners"), "24 of 8 x 6 points");
+    EXPECT_NEAR(bounding_box(shown.viewer.layers()).upper.x(), 1.5, 1e-12);
+}
+
+TEST(Panels, MinkowskiPanelStopsWhileItLooksAtTheModel)
+{
+    const auto models = load_view_models(std::vector<std::string>{"torus:48x24"}, {});
+    ASSERT_TRUE(models);
+    const auto panel = make_minkowski_panel();
+    panel->models_changed(*models, Vec3::UnitZ());
+    const Status applied =
+        apply_settings({"A=model"}, [&](Controls& controls) { panel->offer(controls); });
+    ASSERT_TRUE(applied);
+    Progress stopped;
+    stopped.cancel();
+    const auto picture = panel->task(*models)({.progress = &stopped});
+    ASSERT_FALSE(picture);
+    EXPECT_EQ(picture.error().code, ErrorCode::cancelled) << describe(picture.error());
 }
 
 TEST(Panels, FramesWhatAPanelShows)

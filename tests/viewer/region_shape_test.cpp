@@ -71,6 +71,17 @@ TEST(RegionShape, OfConvexBodiesIsUnbounded)
     }
 }
 
+TEST(RegionShape, IsNotSoughtAnyMoreOnRequest)
+{
+    const Built cube = built(make_cube());
+    Progress stopped;
+    stopped.cancel();
+    const auto shape =
+        region_shape(*cube.model, cube.listed, {FeatureKind::vertex, 0}, 1.0, &stopped);
+    ASSERT_FALSE(shape);
+    EXPECT_EQ(shape.error().code, ErrorCode::cancelled);
+}
+
 TEST(RegionShape, EndsHalfwayBetweenTwoCubes)
 {
     constexpr double gap = 0.5;

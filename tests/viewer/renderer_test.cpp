@@ -2,8 +2,11 @@
 
 #include "cli/lamps.h"
 #include "proxima/sample_meshes.h"
+#include "viewer/egl_context.h"
+#include "viewer/gl_target.h"
 #include "viewer/scene_shapes.h"
 
+#include <algorithm>
 #include <gtest/gtest.h>
 #include <numbers>
 
@@ -172,6 +175,44 @@ TEST(Renderers, OpenGlDrawsLikeSoftware)
     EXPECT_GT(
         difference(*software->render(scene, here, large), *(*opengl)->render(scene, there, large)),
         0.05);
+}
+
+TEST(Renderers, OpenGlDrawsLinesOfModelsOfAnySize)
+{
+    const auto opengl = make_opengl_renderer();
+    if (!opengl) GTEST_SKIP() << opengl.error().message;
+    const auto software = make_software_renderer();
+    const auto dark = [](const Image& image) {
+        return std::ranges::count_if(image.bytes, [](std::uint8_t byte) { return byte < 100; });
+    };
+    for (const double scale : {1e-8, 1e-5, 1.0, 1e5}) {
+        DrawnScene scene;
+        add_box_edges(scene, std::array{Box{Vec3::Constant(-scale), Vec3::Constant(scale)}},
+                      {.width = 3.0});
+        OrbitCamera camera = framed({.azimuth = 0.3}, positions_of(scene), size);
+        const auto drawn = [&](Renderer& renderer) {
+            return *renderer.render(scene, camera, size);
+        };
+        const auto expected = static_cast<double>(dark(drawn(*software)));
+        EXPECT_GT(expected, 1000) << scale;
+        EXPECT_NEAR(static_cast<double>(dark(drawn(**opengl))), expected, 0.2 * expected) << scale;
+        // From within, some lines pass the eye.
+        camera.distance = 0.5 * scale;
+        const auto within = static_cast<double>(dark(drawn(*software)));
+        EXPECT_GT(within, 200) << scale;
+        EXPECT_NEAR(static_cast<double>(dark(drawn(**opengl))), within, 0.2 * within) << scale;
+    }
+}
+
+TEST(Renderers, OpenGlTargetsRefuseASizeEachTimeThatItIsAskedFor)
+{
+    const auto context = EglContext::create();
+    if (!context) GTEST_SKIP() << context.error().message;
+    auto target = GlTarget::create();
+    ASSERT_TRUE(target);
+    for (int time = 0; time < 2; ++time)
+        EXPECT_FALSE(target->bind({.width = 1 << 20, .height = 10}, 1)) << time;
+    EXPECT_TRUE(target->bind(size, 1));
 }
 
 TEST(Renderers, OpenGlRefusesPicturesThatAreTooLarge)

@@ -1,8 +1,11 @@
 // The viewer without a window: models, the mouse, work in the background, settings by name.
+#include "proxima/sample_meshes.h"
 #include "viewer/background_work.h"
 #include "viewer/shown_viewer.h"
 
+#include <atomic>
 #include <new>
+#include <thread>
 
 namespace proxima::viewer_test {
 namespace {
@@ -78,6 +81,29 @@ TEST(Viewer, LoadingReportsProgressAndCanBeStopped)
     ASSERT_TRUE(viewer.finish());
     EXPECT_EQ(viewer.problem(), "");
     EXPECT_EQ(viewer.models()[0]->name, "octahedron");
+}
+
+TEST(Viewer, LoadingStopsWhileItShadesTheSurface)
+{
+    const TriangleMesh mesh = make_icosphere(6);
+    // A request that comes while a model is shaded may come late on a busy machine, but not again
+    // and again.
+    bool was_stopped = false;
+    for (int i = 0; i < 10 && !was_stopped; ++i) {
+        Progress progress;
+        std::atomic<bool> is_done = false;
+        std::thread worker([&] {
+            const auto model =
+                make_view_model("ball", mesh, Vec3::UnitZ(), 0, {.progress = &progress});
+            was_stopped = !model && model.error().code == ErrorCode::cancelled;
+            is_done = true;
+        });
+        while (std::string_view(progress.stage()) != "shading the surface" && !is_done)
+            std::this_thread::yield();
+        progress.cancel();
+        worker.join();
+    }
+    EXPECT_TRUE(was_stopped);
 }
 
 TEST(Viewer, RefusesModelsBeyondItsMemory)

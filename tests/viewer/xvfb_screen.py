@@ -87,7 +87,7 @@ class Window:
     def __init__(self, screen, folder, *arguments):
         self.screen = screen
         self._file = Path(folder) / "state.json"
-        size = [] if "--size" in arguments else ["--size", "900x900"]  # the processor draws every pixel
+        size = [] if "--size" in arguments else ["--size", "640x900"]  # the processor draws every pixel
         self._program = subprocess.Popen(
             [PROXIMA, "view", *map(str, arguments), *size, "--state", str(self._file), "--gl-debug"],
             env=environment_of_program(screen.environment), text=True, stdout=subprocess.PIPE, stderr=subprocess.PIPE)

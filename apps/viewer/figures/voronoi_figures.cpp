@@ -6,6 +6,7 @@
 #include "thesis/proximity_octree/feature_regions.h"
 #include "viewer/figures/figure_colors.h"
 #include "viewer/figures/scene_figure.h"
+#include "viewer/query_shapes.h"
 
 #include <array>
 #include <fmt/core.h>

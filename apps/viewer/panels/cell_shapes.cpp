@@ -89,8 +89,12 @@ void add_leaf_edges(DrawnScene& scene, const Octree& octree, std::span<const Lea
 Box slice_of(const Octree& octree, const LeafBox& leaf, const AxisPlane& plane)
 {
     Box box = {corner_position(octree, leaf, 0), corner_position(octree, leaf, 7)};
-    if (!(box.lower[plane.axis] <= plane.at && plane.at < box.upper[plane.axis])) return {};
-    box.lower[plane.axis] = box.upper[plane.axis] = plane.at;
+    const Box root = octree.box(octree.root());
+    const int axis = plane.axis;
+    const bool is_below = plane.at < box.lower[axis] && box.lower[axis] > root.lower[axis];
+    const bool is_above = plane.at >= box.upper[axis] && box.upper[axis] < root.upper[axis];
+    if (is_below || is_above) return {};
+    box.lower[axis] = box.upper[axis] = plane.at;
     return box;
 }
 

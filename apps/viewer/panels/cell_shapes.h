@@ -26,8 +26,9 @@ struct AxisPlane {
     double at = 0.0;
 };
 
-/// The square that the plane cuts from a leaf; a plane between two leaves cuts the lower one.
-/// Empty where it cuts nothing.
+/// The square that the plane cuts from a leaf: from the upper one of two that it lies between. A
+/// plane at the root's ends, or beyond them by rounding, cuts the leaves there. Empty where it cuts
+/// nothing.
 [[nodiscard]] Box slice_of(const Octree& octree, const LeafBox& leaf, const AxisPlane& plane);
 
 /// A flat rectangle: a box without extent along one axis.

@@ -113,22 +113,60 @@ bool is_normal(const Vec3& direction, std::span<const Vec3> edges)
                                [&](const Vec3& edge) { return edge.dot(direction) <= 0.1 * flat; });
 }
 
-void add_once(std::vector<Vec3>& directions, const Vec3& direction)
+bool has_near(std::span<const Vec3> directions, const Vec3& direction)
 {
-    const auto is_near = [&](const Vec3& other) { return (other - direction).norm() < flat; };
-    if (std::ranges::none_of(directions, is_near)) directions.push_back(direction);
+    return std::ranges::any_of(
+        directions, [&](const Vec3& other) { return (other - direction).norm() < flat; });
 }
 
-/// The cone's outermost directions: each is across two edges.
+void add_once(std::vector<Vec3>& directions, const Vec3& direction)
+{
+    if (!has_near(directions, direction)) directions.push_back(direction);
+}
+
+/// Edges in the order in which they are asked whether a direction is normal: those that refused one
+/// lately are the first, for they refuse most others.
+class AskedEdges {
+public:
+    explicit AskedEdges(std::span<const Vec3> edges) : edges_(edges.begin(), edges.end()) {}
+
+    /// Whether one of the first `count` refuses the direction.
+    [[nodiscard]] bool refuse(const Vec3& direction, std::size_t count)
+    {
+        for (std::size_t i = 0; i < std::min(count, edges_.size()); ++i) {
+            if (is_normal(direction, {&edges_[i], 1})) continue;
+            const auto first = edges_.begin();
+            const auto at = first + static_cast<std::ptrdiff_t>(i);
+            std::rotate(first, at, at + 1);
+            return true;
+        }
+        return false;
+    }
+
+private:
+    std::vector<Vec3> edges_;
+};
+
+/// The cone's outermost directions: each is across two edges. Where two opposite ones are found all
+/// edges lie in the plane across them, and no more are sought.
 std::vector<Vec3> extreme_directions(std::span<const Vec3> edges)
 {
+    constexpr std::size_t few = 16;
+    AskedEdges asked(edges);
     std::vector<Vec3> found;
     for (std::size_t i = 0; i < edges.size(); ++i) {
         for (std::size_t k = i + 1; k < edges.size(); ++k) {
             const Vec3 across = edges[i].cross(edges[k]);
             if (across.norm() < flat) continue;
-            for (const Vec3& direction : {Vec3(across.normalized()), Vec3(-across.normalized())})
-                if (is_normal(direction, edges)) add_once(found, direction);
+            int added = 0;
+            for (const Vec3& direction : {Vec3(across.normalized()), Vec3(-across.normalized())}) {
+                if (asked.refuse(direction, few) || has_near(found, direction) ||
+                    asked.refuse(direction, edges.size()))
+                    continue;
+                found.push_back(direction);
+                ++added;
+            }
+            if (added == 2) return found;
         }
     }
     return found;

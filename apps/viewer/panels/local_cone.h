@@ -48,7 +48,7 @@ struct LocalCone {
 /// The faces round the feature alone decide. The cone of a face is its outer side. Edges of one or
 /// of many triangles are taken as they are; triangles of no area are overlooked. Errors:
 /// invalid_argument (no such feature, a vertex that no triangle uses), invalid_mesh (a face of no
-/// area, an edge of no length). O(k^2) for k edges at a vertex, and O(k^3) for some.
+/// area, an edge of no length). About O(k^2) for k edges at a vertex.
 [[nodiscard]] Result<LocalCone> local_cone(const TriangleMesh& mesh, const Topology& topology,
                                            Feature feature);
 

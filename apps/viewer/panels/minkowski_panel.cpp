@@ -1,5 +1,6 @@
 // The Minkowski sum of two convex bodies: facets by where they come from, and B growing from
 // nothing, which pushes the planes of A outward: chapter 3.
+#include "cli/camera_options.h"
 #include "proxima/convex_polyhedron.h"
 #include "proxima/execution.h"
 #include "proxima/sample_meshes.h"
@@ -35,7 +36,7 @@ struct SumSettings {
 };
 
 /// About 1 in size, whatever the model's.
-Result<ConvexPolyhedron> make_body(Body body, const ViewModel& model)
+Result<ConvexPolyhedron> make_body(Body body, const ViewModel& model, Progress* progress)
 {
     switch (body) {
     case Body::cube:
@@ -51,25 +52,27 @@ Result<ConvexPolyhedron> make_body(Body body, const ViewModel& model)
         break;
     }
     // Exactly convex in other coordinates may be a little concave after rounding: its hull.
-    if (const auto convex = polyhedron_of_mesh(model.mesh); !convex) {
+    if (const auto convex = polyhedron_of_mesh(model.mesh, {.execution = {.progress = progress}});
+        !convex) {
         return fail(convex.error().code,
                     convex.error().message + ": choose a convex body instead of the model",
                     model.name);
     }
-    const Vec3 center = model.box.center();
-    const double scale = 2.0 / std::max(model.box.extent().maxCoeff(), 1e-300);
-    std::vector<Vec3> points;
-    for (const Vec3& position : model.mesh.positions())
-        points.emplace_back(scale * (position - center));
-    return convex_hull(points);
+    std::vector<Vec3> points = points_to_frame(model.mesh); // of triangles: what they bound
+    Box box;
+    for (const Vec3& point : points) box.extend(point);
+    const Vec3 center = box.center();
+    const double scale = 2.0 / std::max(box.extent().maxCoeff(), 1e-300);
+    for (Vec3& point : points) point = scale * (point - center);
+    return convex_hull(points, {}, {.progress = progress});
 }
 
 Result<MinkowskiSum> make_sum(const SumChoice& bodies, const ViewModel& model,
                               const Execution& context)
 {
-    const auto a = make_body(bodies.a, model);
+    const auto a = make_body(bodies.a, model, context.progress);
     if (!a) return tl::unexpected(a.error());
-    const auto b = make_body(bodies.b, model);
+    const auto b = make_body(bodies.b, model, context.progress);
     if (!b) return tl::unexpected(b.error());
     return minkowski_sum(*a, *b, {.execution = {.progress = context.progress}});
 }

@@ -1,5 +1,6 @@
 #include "viewer/panels/region_shape.h"
 
+#include "base/progress.h"
 #include "proxima/closest_feature.h"
 
 #include <algorithm>
@@ -106,7 +107,7 @@ void add_quad(SceneSurface& surface, const std::array<Vec3, 4>& corners)
 } // namespace
 
 Result<RegionShape> region_shape(const ViewModel& model, const MeshIndex& with, Feature feature,
-                                 double length)
+                                 double length, const Progress* progress)
 {
     const auto cone = local_cone(model.mesh, model.topology, feature);
     if (!cone) return tl::unexpected(cone.error());
@@ -119,7 +120,10 @@ Result<RegionShape> region_shape(const ViewModel& model, const MeshIndex& with, 
     } else if (cone->shape != ConeShape::empty) {
         add_fans(shape, cone->corners);
     }
-    for (RegionSample& sample : shape.samples) reach(sample, with, length);
+    for (RegionSample& sample : shape.samples) {
+        if (is_cancelled(progress)) return cancelled("finding the region");
+        reach(sample, with, length);
+    }
     return shape;
 }
 

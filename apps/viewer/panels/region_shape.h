@@ -14,6 +14,7 @@
 // and has no part outside. At a saddle there is no region.
 #pragma once
 
+#include "proxima/execution.h"
 #include "proxima/mesh_index.h"
 #include "proxima/result.h"
 #include "viewer/panels/local_cone.h"
@@ -45,10 +46,11 @@ struct RegionShape {
     std::vector<std::vector<std::uint32_t>> sides; ///< samples in a row, from corner to corner
 };
 
-/// Of the feature's region, at most `length` from it. Errors: those of local_cone. \pre the octree
-/// is the model's, length > 0
+/// Of the feature's region, at most `length` from it. Errors: those of local_cone, cancelled. About
+/// a thousand queries per corner of the cone. \pre the octree is the model's, length > 0
 [[nodiscard]] Result<RegionShape> region_shape(const ViewModel& model, const MeshIndex& with,
-                                               Feature feature, double length);
+                                               Feature feature, double length,
+                                               const Progress* progress = nullptr);
 
 /// The surfaces "region" and the lines "region's edges".
 void add_region(DrawnScene& scene, const RegionShape& shape, const Color& color);

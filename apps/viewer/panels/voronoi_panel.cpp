@@ -1,4 +1,5 @@
 // Voronoi regions of a model's features, and the proximity octree that stores them: chapter 4.
+#include "base/progress.h"
 #include "index/index_parts.h"
 #include "index/lists/proximity_lists.h"
 #include "proxima/cast_ray.h"
@@ -64,15 +65,17 @@ PanelPlot list_plot(const ProximityLists& built)
 
 constexpr float glass = 0.3F; ///< the model's opacity where its region lies behind the surface
 
-void show_region(PanelPicture& picture, const ViewModel& model, const MeshIndex& with,
-                 const VoronoiSettings& settings, Feature feature)
+/// Error cancelled.
+Status show_region(PanelPicture& picture, const ViewModel& model, const MeshIndex& with,
+                   const VoronoiSettings& settings, Feature feature, const Progress* progress)
 {
     auto scene = std::make_shared<DrawnScene>();
     add_feature(*scene, model, feature, mark_radius(model), srgb(figure_colors::red));
     picture.legend.entries.push_back({figure_colors::red, "feature"});
     if (settings.region) {
         const double length = settings.length * model.box.extent().norm();
-        const auto region = region_shape(model, with, feature, length);
+        const auto region = region_shape(model, with, feature, length, progress);
+        if (is_cancelled(progress)) return cancelled("finding the region");
         if (region) {
             add_region(*scene, *region, color_of_kind(feature.kind));
             if (region->shape != ConeShape::empty) {
@@ -90,6 +93,7 @@ void show_region(PanelPicture& picture, const ViewModel& model, const MeshIndex&
         }
     }
     picture.layers.push_back({std::move(scene)});
+    return {};
 }
 
 void show_leaf(PanelPicture& picture, const ViewModel& model, const MeshIndex& with,
@@ -181,16 +185,8 @@ public:
     {
         models_ = models;
         settings_.model = std::clamp(settings_.model, 1, static_cast<int>(models.size()));
-        settings_.cursor.place(visible_point(*model(), to_eye, cursor_height)
-                                   .above(cursor_height * model()->box.extent().norm()));
         to_eye_ = to_eye;
-        if (settings_.is_set) {
-            settings_.number = std::min(settings_.number, most_number());
-        } else {
-            const FeatureWithPoint likely = likely_feature();
-            settings_.number = static_cast<int>(likely.id);
-            if (likely.above) settings_.cursor.place(*likely.above);
-        }
+        begin_with_model();
         // At first all of the region is in the picture.
         if (!settings_.has_length)
             settings_.length = 0.5 * focus(models).extent().norm() / model()->box.extent().norm();
@@ -198,7 +194,9 @@ public:
 
     void offer(Controls& controls) override
     {
+        const int before = settings_.model;
         offer_model(controls, settings_.model, models_.size());
+        if (settings_.model != before && !models_.empty()) begin_with_model();
         if (choose(controls, "feature", settings_.kind,
                    std::array<std::string_view, 3>{"vertex", "edge", "face"})) {
             settings_.is_set = false;
@@ -238,7 +236,10 @@ public:
             PanelPicture picture;
             picture.layers = model_layers(models, Smoothing::flat);
             picture.facts.push_back({"feature", words_for(feature)});
-            show_region(picture, *model, **with, settings, feature);
+            if (Status status =
+                    show_region(picture, *model, **with, settings, feature, context.progress);
+                !status)
+                return tl::unexpected(status.error());
             if (settings.leaf) show_leaf(picture, *model, **with, settings.cursor.at);
             const ProximityStatistics& s = (*with)->parts().lists()->statistics();
             picture.facts.push_back({"leaves", fmt::format("{}", s.leaves)});
@@ -258,6 +259,20 @@ private:
     [[nodiscard]] const std::shared_ptr<const ViewModel>& model() const
     {
         return models_[static_cast<std::size_t>(settings_.model - 1)];
+    }
+    /// Puts the cursor and the feature where the model has them; those that a person has set stay,
+    /// a feature as far as the model has one of its number. \pre there are models
+    void begin_with_model()
+    {
+        settings_.cursor.place(visible_point(*model(), to_eye_, cursor_height)
+                                   .above(cursor_height * model()->box.extent().norm()));
+        if (settings_.is_set) {
+            settings_.number = std::min(settings_.number, most_number());
+            return;
+        }
+        const FeatureWithPoint likely = likely_feature();
+        settings_.number = static_cast<int>(likely.id);
+        if (likely.above) settings_.cursor.place(*likely.above);
     }
     /// The feature where nobody has chosen one. \pre there are models
     [[nodiscard]] FeatureWithPoint likely_feature() const
