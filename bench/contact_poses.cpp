@@ -39,7 +39,8 @@ public:
         const auto at = [&](double distance) {
             return RigidTransform{pose.rotation, pose.translation + distance * way};
         };
-        for (double distance = apart; distance > 0; distance -= size / 100) {
+        for (int steps = 200; steps > 0; --steps) {
+            const double distance = steps * size / 100;
             if (meshes_intersect(index_, index_, at(distance))) {
                 touching = distance;
                 break;
