@@ -16,6 +16,8 @@ from pathlib import Path
 MOST_HEADERS = 40
 FOR_C = Path("proxima/c/proxima.h")
 INCLUDE = re.compile(r'^\s*#\s*include\s*(["<])([^">]+)[">]', re.MULTILINE)
+# The last one: Eigen silences it, which its compiled form forgets.
+WARNINGS = ["-Wall", "-Wextra", "-Werror", "-Wno-ignored-attributes"]
 STANDARD = re.compile(r"^[a-z_]+$")
 
 
@@ -31,17 +33,37 @@ def wrong_includes(folder, header):
             yield f"{header} includes {name}"
 
 
-def compile_alone(header, compiler, flags):
-    """What the compiler says of a source that includes the header twice and nothing else."""
+def eigen_of(folder, header):
+    """The headers of Eigen that a header includes, itself or by others."""
+    names = {name for _, name in INCLUDE.findall((folder / header).read_text())}
+    return {name for name in names if name.startswith("Eigen/")}.union(
+        *(eigen_of(folder, name) for name in names if name.startswith("proxima/") and (folder / name).is_file()))
+
+
+def compile_alone(header, compiler, flags, eigen):
+    """What the compiler says of a source that includes the header twice and nothing else. What the header includes of
+    Eigen may be included before it, in compiled form: most of the time would go there."""
     with tempfile.TemporaryDirectory() as work:
         source = Path(work, "alone.cpp")
-        source.write_text(2 * f"#include <{header}>\n")
+        source.write_text(f'#include "{eigen}"\n' * bool(eigen) + 2 * f"#include <{header}>\n")
         language = []
         if header == FOR_C:
             language, flags = ["-x", "c", "-std=c99", "-pedantic"], [flag for flag in flags if not flag.startswith("-std=")]
-        done = subprocess.run([compiler, *language, "-Wall", "-Wextra", "-Werror", "-fsyntax-only", *flags, source],
-                              capture_output=True, text=True)
+        done = subprocess.run([compiler, *language, *WARNINGS, "-fsyntax-only", *flags, source], capture_output=True, text=True)
     return [] if done.returncode == 0 else [f"{header} does not compile alone:\n{done.stderr}"]
+
+
+def compile_all(folder, headers, compiler, flags):
+    """Lines of what does not compile alone."""
+    needed = {header: frozenset(eigen_of(folder, header)) for header in headers}
+    with tempfile.TemporaryDirectory() as work, ThreadPoolExecutor(os.cpu_count()) as compilers:
+        compiled = {frozenset(): None}
+        for number, names in enumerate(sorted(set(needed.values()) - {frozenset()}, key=sorted)):
+            compiled[names] = Path(work, f"eigen_{number}.h")
+            compiled[names].write_text("".join(f"#include <{name}>\n" for name in sorted(names)))
+            subprocess.run([compiler, *WARNINGS, *flags, "-x", "c++-header", compiled[names]], check=True)
+        found = compilers.map(lambda header: compile_alone(header, compiler, flags, compiled[needed[header]]), headers)
+        return [line for lines in found for line in lines]
 
 
 def main():
@@ -54,9 +76,7 @@ def main():
         problems.append(f"{len(headers)} headers are installed, at most {MOST_HEADERS} should be")
     for header in headers:
         problems += wrong_includes(folder, header)
-    with ThreadPoolExecutor(os.cpu_count()) as compilers:
-        for found in compilers.map(lambda header: compile_alone(header, compiler, flags), headers):
-            problems += found
+    problems += compile_all(folder, headers, compiler, flags)
     for problem in problems:
         print(problem)
     return 1 if problems else 0
