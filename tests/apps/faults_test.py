@@ -85,6 +85,11 @@ class FaultTest(ProgramTest):
                     ended["wrong" if wrong else "done" if status == 0 else "said" if status > 0 else "killed"] += 1
                     with self.subTest(job=name, call=call, number=number, of=count, seed=SEED):
                         self.assertIsNone(wrong)
+        # Faults came: each kill ends its command; some failures make no difference, but not all.
+        if action == "kill":
+            self.assertEqual(ended["killed"], ended.total())
+        else:
+            self.assertGreater(ended["said"], 0)
         if EACH == 0:
             columns = (ended.total(), *(ended[how] for how in ("said", "done", "killed", "wrong")))
             print(f"| `{call}` {'fails' if action == 'fail' else 'is killed'} | {' | '.join(map(str, columns))} |", flush=True)
@@ -137,27 +142,41 @@ class Kills(FaultTest):
             self.try_calls(call, "kill")
 
     def test_at_random_moments(self):
-        """Of a command that replaces the same file again and again: what a power cut or an impatient user does."""
-        command = [PROXIMA, "index", "icosphere:4", "--lists", "--save", self.folder / "a.pxi", "--quiet"]
+        """Of a command that replaces the same file again and again: what a power cut or an impatient user does. Every other
+        kill waits for the save, which is too short to be met by chance."""
+        command = [PROXIMA, "index", "icosphere:3", "--lists", "--save", self.folder / "a.pxi", "--quiet"]
         begin = time.monotonic()
         subprocess.run(command, check=True)
         seconds = time.monotonic() - begin
         whole = (self.folder / "a.pxi").read_bytes()
         ended = collections.Counter()
-        for _ in range(EACH or 1000):
+        saving = 0
+        for attempt in range(EACH or 1000):
             (self.folder / "a.pxi").write_bytes(OLD)
+            before = self.temporary()
             process = subprocess.Popen(command)
-            time.sleep(self.random.uniform(0, 1.2 * seconds))
+            if attempt % 2 == 0:
+                time.sleep(self.random.uniform(0, 1.2 * seconds))
+            else:
+                while process.poll() is None and self.temporary() <= before:
+                    pass
+                time.sleep(self.random.uniform(0, 0.003))
             process.kill()
             killed = process.wait() == -signal.SIGKILL
             after = (self.folder / "a.pxi").read_bytes()
             self.assertIn(after, (OLD, whole) if killed else (whole,), f"seed {SEED}")
             ended["killed" if killed else "done"] += 1
+            saving += bool(killed and self.temporary() - before)
+        self.assertGreater(saving, 0, f"seed {SEED}: no kill was within a save")
         subprocess.run(command, check=True)
-        self.assertEqual(list(self.folder.glob(".proxima-*")), [], "the last run clears up")
+        self.assertEqual(self.temporary(), set(), "the last run clears up")
         if EACH == 0:
             columns = (ended.total(), 0, ended["done"], ended["killed"], 0)
             print(f"| killed at a random moment of a save | {' | '.join(map(str, columns))} |", flush=True)
+
+    def temporary(self):
+        """The files that saves have begun."""
+        return set(self.folder.glob(".proxima-*"))
 
     def may_be_killed(self, folder, result):
         """By the shim; the next command that writes there clears up."""

@@ -146,6 +146,12 @@ class Hits(ProgramTest):
         self.assertEqual(len(answers), 1)
 
 
+def inside(ray):
+    """From where to where a ray is in the cube of edge 3 about the origin."""
+    sides = [sorted(((-1.5 - o) / d, (1.5 - o) / d)) for o, d in zip(ray, ray[3:])]
+    return max(0, *(low for low, _ in sides)), min(high for _, high in sides)
+
+
 class Cells(ProgramTest):
     def test_join_and_lie_on_the_ray(self):
         rays = some_rays(random.Random(7), 40)
@@ -157,7 +163,6 @@ class Cells(ProgramTest):
         self.assertEqual(list(json), KEYS + ["cells"])
         self.assertEqual(json["cells"], len(lines) - 1)
         self.assertGreater(len(lines), 40)
-        # The root is a cube about the torus: its depth-4 cells are 1/16 of its edge.
         by_ray = {}
         for line in lines[1:]:
             by_ray.setdefault(int(line[0]), []).append([float(x) for x in line[1:]])
@@ -170,7 +175,16 @@ class Cells(ProgramTest):
                 self.assertLessEqual(enter, leave)
                 self.assertAlmostEqual(chord, (leave - enter) * length, 12)
                 self.assertTrue(0 <= penetration <= 1)
+                # The root is the cube of edge 3 about the torus.
+                edge = 3 / 2 ** depth
+                for t in (enter, leave):
+                    for o, d, x in zip(rays[i], rays[i][3:], at):
+                        self.assertAlmostEqual(min(max(o + t * d, edge * x - 1.5), edge * (x + 1) - 1.5), o + t * d, 12)
                 self.assertTrue(all(0 <= x < 2 ** depth for x in at))
+            # From one side of the cube, or the ray's origin, to the other.
+            self.assertAlmostEqual(cells[0][4], inside(rays[i])[0], 12)
+            self.assertAlmostEqual(cells[-1][5], inside(rays[i])[1], 12)
+        self.assertEqual(set(by_ray), {i for i, ray in enumerate(rays) if inside(ray)[0] < inside(ray)[1]})
 
 
 class Pictures(ProgramTest):

@@ -84,9 +84,12 @@ class Devices(ProgramTest):
         self.assertIn("lacks", listed[1]["problem"])
 
     def test_axes_scale_and_clutch(self):
-        plain = self.feel("dhd", STUB_DHD)
-        large = self.feel("dhd", STUB_DHD, model="cube", seconds=1)
-        self.assertEqual(plain["units_per_metre"], large["units_per_metre"])
+        """The stub goes along its z, so through the hole of a ring, unless axes turn its way or a pose turns the ring."""
+        ring = ("touch", "torus:24x12", "--device", "dhd", "--device-library", STUB_DHD, "--seconds", 0.3, "--json", "-")
+        turned = ("--pose", "0=0,0,0@0,1,0,90")  # its hole is along x
+        touches = [json.loads(self.succeed(*ring, *more))["touching_ticks"] > 50
+                   for more in ((), ("--axes", "z,x,y"), turned, (*turned, "--axes", "z,x,y"), (*turned, "--axes", "y,z,x"))]
+        self.assertEqual(touches, [False, True, True, False, True])
         scaled = self.json_of("touch", "cube", "--device", "hand:press", "--free-running", "--seconds", 0.2, "--scale", 2)
         usual = self.json_of("touch", "cube", "--device", "hand:press", "--free-running", "--seconds", 0.2)
         self.assertAlmostEqual(scaled["units_per_metre"], 2 * usual["units_per_metre"])

@@ -77,10 +77,11 @@ class Scenes(ProgramTest):
         self.assertEqual(swung["objects"][0]["max_carrying"], 0)
 
     def test_a_press_is_counted(self):
-        """Two plates that close on the hand leave it no room."""
-        report = self.json_of("touch", "cube", "--object", "cube", "--pose", "1=0,0,2.5", "--motion", "0=swing:0,0,0.4,1",
-                              "--motion", "1=swing:0,0,-0.4,1", "--device", "hand:slide", "--seconds", 10, "--radius", 0.004,
-                              "--free-running")
+        """Two cubes that close on a hand between them leave it no room."""
+        report = self.json_of("touch", "cube", "--object", "cube", "--pose", "0=-1.5,0,0", "--pose", "1=1.5,0,0",
+                              "--motion", "0=swing:0.6,0,0,2", "--motion", "1=swing:-0.6,0,0,2", "--device", "hand:press",
+                              "--seconds", 5, "--radius", 0.004, "--free-running")
+        self.assertGreater(report["squeezed_ticks"], 0)
         self.assertEqual(report["passes"], 0)
         self.assertLessEqual(report["max_force"], 3.3)
         text = self.succeed("touch", *SCENE, *PLACES, "--device", "hand:press", "--seconds", 0.2, "--free-running")

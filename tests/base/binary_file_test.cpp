@@ -154,7 +154,7 @@ TEST_F(BinaryFileTest, RefusesCraftedHeadersAndTables)
     expect_refused(with(content, 12, 4U), foreign, "version 4");
     expect_refused(with(content, 12, 0U), foreign, "version 0");
     EXPECT_TRUE(load(with(content, 12, 2U), Verification::full));
-    expect_refused(with(content, 16, 4U), malformed, "");
+    expect_refused(with(content, 16, 4U), malformed, "section 0 has an impossible position");
     expect_refused(with(content, 16, 0x10000000U), malformed, "table of sections");
     expect_refused(with(content, 20, 1U), malformed, "header");
     expect_refused(with(content, 24, content.size() + 1), malformed, "should have");

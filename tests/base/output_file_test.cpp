@@ -363,7 +363,6 @@ TEST_F(OutputFileTest, ReportsWhyADestinationCannotBeWritten)
     EXPECT_FALSE(OutputFile::create(""));
 }
 
-// In a child that gives up the superuser's rights, which reach everywhere.
 TEST_F(OutputFileTest, RefusesNamesThatAreTooLongBeforeAnythingIsWritten)
 {
     EXPECT_TRUE(OutputFile::create(path(std::string(255, 'a'))));
@@ -373,6 +372,7 @@ TEST_F(OutputFileTest, RefusesNamesThatAreTooLongBeforeAnythingIsWritten)
     EXPECT_NE(file.error().message.find("shorter"), std::string::npos);
 }
 
+// In a child that gives up the superuser's rights, which reach everywhere.
 TEST_F(OutputFileTest, RefusesReadOnlyFilesAndFolders)
 {
     std::ofstream(path("a.txt")) << "old";

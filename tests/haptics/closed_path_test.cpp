@@ -323,7 +323,7 @@ TEST(ClosedPath, OverOuterEdgesNeverGeneratesEnergy)
 {
     for (const char* const name : {"cube", "sphere:12x12"}) {
         const TriangleMesh mesh = *sample_mesh(name);
-        for (std::uint64_t seed = 1; seed <= 3; ++seed) {
+        for (const std::uint64_t seed : {1U, 2U, 4U}) { // whose loops go well into the models
             const Vec3 corner =
                 Walk::map_of(mesh).to_device(mesh.positions()[seed % mesh.positions().size()]);
             const Loop loop(corner, 0.004, seed);
@@ -350,9 +350,8 @@ TEST(ClosedPath, OverOuterEdgesNeverGeneratesEnergy)
             }
             EXPECT_GE(taken, stored(last) - stored_before + least) << name << seed;
             // Of drops over edges, where the force jumps within a tick: next to nothing.
-            if (depth > 0) {
-                EXPECT_GE(least, -2e-3 * stiffness * depth * depth) << name << seed;
-            }
+            EXPECT_GT(depth, 0.002) << name << seed;
+            EXPECT_GE(least, -2e-3 * stiffness * depth * depth) << name << seed;
         }
     }
 }

@@ -73,25 +73,44 @@ TEST(FreePosition, NearAWallIsTheNearestOneOnTheSameSide)
     EXPECT_NEAR(std::abs(free->z()), 0.0205, 1e-6);
 }
 
+/// Two slanted walls that meet below, each at half that angle.
+TriangleMesh crevice(double angle)
+{
+    const double s = std::sin(angle / 2);
+    const double c = std::cos(angle / 2);
+    return mesh_of({Vec3(0, -5, 0), Vec3(0, 5, 0), Vec3(3 * s, 0, 3 * c), Vec3(-3 * s, 0, 3 * c)},
+                   {{0, 1, 2}, {1, 0, 3}});
+}
+
 TEST(FreePosition, InACreviceIsAtItsMouth)
 {
-    // Two slanted walls that meet below: 30 degrees.
-    const double s = std::sin(0.2618);
-    const double c = std::cos(0.2618);
-    const TriangleMesh mesh =
-        mesh_of({Vec3(0, -5, 0), Vec3(0, 5, 0), Vec3(3 * s, 0, 3 * c), Vec3(-3 * s, 0, 3 * c)},
-                {{0, 1, 2}, {1, 0, 3}});
+    constexpr double angle = 0.5236;
+    const TriangleMesh mesh = crevice(angle);
     const auto listed = *testing::listed_index(mesh);
     const IndexContactSurface surface(listed);
     SlideScratch scratch;
     const double radius = 0.05;
-    const double lowest = radius / s; // where a sphere rests on both
+    const double lowest = radius / std::sin(angle / 2); // where a sphere rests on both
     const auto free = find_free_position(surface, radius, Vec3(0, 0, 0.12), scratch);
     ASSERT_TRUE(free);
     EXPECT_LT((*free - Vec3(0, 0, lowest)).norm(), 1e-6);
-    // Deeper than four radii there is none within reach.
-    EXPECT_FALSE(find_free_position(surface, 0.5, Vec3(0, 0, 0.001), scratch) &&
-                 !find_free_position(surface, 0.5, Vec3(0, 0, 0.12), scratch));
+}
+
+TEST(FreePosition, FartherThanFourRadiiFromAMouthIsBesideAWall)
+{
+    constexpr double angle = 0.3;
+    const TriangleMesh mesh = crevice(angle);
+    const auto listed = *testing::listed_index(mesh);
+    const IndexContactSurface surface(listed);
+    SlideScratch scratch;
+    const double radius = 0.05;
+    const Vec3 p(0, 0, 2 * radius);
+    ASSERT_GT(radius / std::sin(angle / 2) - p.z(), free_position_radii * radius);
+    const auto free = find_free_position(surface, radius, p, scratch);
+    ASSERT_TRUE(free);
+    const double to_wall = p.z() * std::sin(angle / 2);
+    EXPECT_NEAR((*free - p).norm(), to_wall + radius, 1e-6); // the nearest there is
+    EXPECT_NEAR(distance_to(mesh, *free), radius, 1e-6);
 }
 
 /// Many plates, a little apart: nowhere is there room for a sphere of the size of the gaps.

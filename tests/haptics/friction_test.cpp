@@ -409,13 +409,16 @@ TEST(Friction, PointsAgainstTheMotionOnScans)
         const MeshIndex index = build_mesh_index(shape->mesh).value();
         const IndexContactSurface surface(index);
         for (const double depth : {0.0002, 0.0005}) {
-            for (const double speed : {0.0005, 0.015, 0.2}) {
-                const GlideSetting setting = {.depth = depth, .speed = speed, .runs = 40};
+            // Faster ones are off their facet within the ten ticks that are not counted.
+            for (const double speed : {0.0005, 0.015, 0.05}) {
+                const GlideSetting setting = {
+                    .depth = depth, .speed = speed, .runs = speed < 0.01 ? 40 : 160};
                 constexpr std::uint64_t seed = 1;
                 const Angles angles = glide_over_facets(*shape, surface, setting, seed);
                 std::printf("%s, seed %d: mean %5.2f, 99 %% %5.2f degrees, %zu ticks\n",
                             describe(*shape, setting).c_str(), static_cast<int>(seed), angles.mean,
                             angles.most, angles.count);
+                EXPECT_GE(angles.count, 50U) << describe(*shape, setting);
                 EXPECT_LE(angles.mean, 1.5) << describe(*shape, setting);
                 EXPECT_LE(angles.most, 3) << describe(*shape, setting);
             }

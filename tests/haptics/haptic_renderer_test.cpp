@@ -368,6 +368,29 @@ TEST(HapticRenderer, SweepsTheProxyOverAJump)
     }
 }
 
+// A jump is no motion on which the contact had given energy: nothing damps the hand after it.
+TEST(HapticRenderer, AJumpWhileTheForceRampsUpAddsNoDamping)
+{
+    const Scene scene(*sample_mesh("cube"));
+    const double top = scene.map.to_device(bounding_box(scene.mesh).upper).z();
+    HapticRenderer renderer = make_surface_renderer(scene.surface, scene.map, omni(),
+                                                    {.static_friction = 0, .dynamic_friction = 0});
+    const auto tick = [&](double x, double depth, double speed) -> const RenderTick& {
+        DeviceState state = at(Vec3(x, 0.002, top - depth));
+        state.velocity.x() = speed;
+        return renderer.tick(state, tick_seconds);
+    };
+    tick(0, -0.01, 0);
+    for (int i = 0; i < 50; ++i) tick(0, 0.062, 0);
+    EXPECT_GT(renderer.last().force.z(), 0.5);
+    EXPECT_EQ(tick(0, 0.004, 0).fault, InputFault::jumped);
+    for (int i = 1; i < 100; ++i) {
+        const RenderTick& felt = tick(1e-4 * i, 0.004, 0.1);
+        ASSERT_NE(felt.hold, Hold::free);
+        ASSERT_NEAR(felt.force.x(), 0, 1e-9) << i;
+    }
+}
+
 using RecordingTest = FolderTest;
 
 TEST_F(RecordingTest, ReplaysBitForBit)

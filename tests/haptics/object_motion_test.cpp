@@ -3,6 +3,8 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Geometry>
+#include <cstddef>
+#include <vector>
 
 namespace proxima::object_motion_test {
 namespace {
@@ -169,6 +171,35 @@ TEST(ObjectTrajectory, SlidesAndTurnsAreMotions)
     course.follow({.pose = turned(1, Vec3(0, 1, 0), Vec3(1, 0, 0)), .seconds = 0.002});
     course.advance();
     EXPECT_TRUE(course.moved());
+}
+
+// Each motion begins ahead of a tool that lags behind, and the next one comes before its time does.
+TEST(ObjectTrajectory, AToolThatLagsBehindFollowsMotionsOfEveryTick)
+{
+    for (const int lag : {1, 3, 20}) {
+        ObjectCourse course(RigidTransform{});
+        ObjectTrajectory ahead(course, 0);
+        ObjectTrajectory behind(course, 0);
+        std::vector<Vec3> places = {Vec3::Zero()};
+        for (int tick = 1; tick <= 100; ++tick) {
+            const SceneTime time = tick * tick_time;
+            course = course.continued(
+                {.pose = {Mat3::Identity(), Vec3(tick, 0, 0)}, .seconds = 0.002}, time - tick_time);
+            ahead.follow(course);
+            ahead.advance(time);
+            places.push_back(ahead.now().translation);
+            behind.follow(course);
+            if (tick < lag) continue;
+            behind.advance(time - lag * tick_time);
+            const Vec3& place = places[static_cast<std::size_t>(tick - lag)];
+            if (lag <= 3) {
+                EXPECT_EQ(behind.now().translation, place) << tick; // the same bits
+            } else {
+                // More motions than there is room for.
+                EXPECT_GE(behind.now().translation.x(), place.x() - 20) << tick;
+            }
+        }
+    }
 }
 
 } // namespace

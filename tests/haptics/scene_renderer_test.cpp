@@ -440,6 +440,35 @@ TEST(SceneRenderer, OnlyAnExchangedBodyAtTheProxyLetsTheForceFade)
     }
 }
 
+TEST(SceneRenderer, ADeviceInsideABodyFeelsNothingWhereAnotherIsExchanged)
+{
+    const auto cube = [](double size) {
+        return body_of(moved(*sample_mesh("cube"), [&](const Vec3& p) { return Vec3(size * p); }));
+    };
+    TouchScene scene(Box{Vec3(-0.2, -0.2, -0.2), Vec3(0.2, 0.2, 0.2)});
+    const Vec3 center(-0.12, 0, 0);
+    const auto around = scene.add(cube(0.05), at_place(center));
+    const auto other = scene.add(cube(0.02), at_place(Vec3::Zero()));
+    ASSERT_TRUE(around && other);
+    HapticRenderer renderer =
+        make_haptic_renderer(scene, same_unit, *find_device("omni"), {}).value();
+    const auto run = [&](const Vec3& hand) {
+        double largest = 0;
+        for (int tick = 0; tick < 300; ++tick)
+            largest = std::max(largest, renderer.tick(at(hand), tick_seconds).force.norm());
+        return largest;
+    };
+    const Vec3 within = center + Vec3(0, 0.001, 0.02);
+    EXPECT_EQ(run(within), 0);
+    ASSERT_TRUE(scene.exchange(*other, cube(0.03)));
+    EXPECT_EQ(run(within), 0);
+    EXPECT_FALSE(renderer.last().is_placed);
+    // It waits for the device to come out.
+    EXPECT_EQ(run(center + Vec3(0, 0.001, 0.06)), 0);
+    EXPECT_TRUE(renderer.last().is_placed);
+    EXPECT_GT(run(center + Vec3(0, 0.001, 0.048)), 0.5);
+}
+
 TEST(SceneRenderer, ACrushedProxyFeelsNothingUntilThePressOpens)
 {
     TouchScene scene(wide_room);

@@ -86,7 +86,7 @@ TEST(SelfTestDevices, TestsAnOpenHapticsStubInItsDriversCallback)
     auto device = open_hd_device({.library = STUB_HD});
     ASSERT_TRUE(device);
     state_of(library).release = slow_ticks + fast_ticks;
-    // Its time is its ticks, as of a hand that moves with each call.
+    state_of(library).period = 50; // its time is its ticks, as of a hand that moves with each call
     expect_stub(run_self_test(**device, timed_options()), 0);
     EXPECT_EQ(state_of(library).bad_forces, 0);
     EXPECT_EQ(state_of(library).forces_outside, 0);

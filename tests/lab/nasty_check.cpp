@@ -27,6 +27,7 @@
 #include "proxima/signed_distance.h"
 #include "proxima/touch_scene.h"
 #include "query/closest/brute_force.h"
+#include "query/contact/self_intersection.h"
 #include "query/contact/test_poses.h"
 #include "query/rays/test_rays.h"
 
@@ -253,6 +254,16 @@ void check_self_intersections(const Subject& on, Comparison& to)
         to.expect(triangles_meet(on.mesh.triangle(pair.a), on.mesh.triangle(pair.b)),
                   concat("triangles ", to_index(pair.a), " and ", to_index(pair.b)));
     }
+    if (!on.is_small() || !found->complete) return;
+    std::vector<TrianglePair> truth;
+    for (std::uint32_t i = 0; i < on.mesh.triangle_count(); ++i) {
+        for (std::uint32_t j = i + 1; j < on.mesh.triangle_count(); ++j) {
+            if (meet_beyond_corners(on.mesh.triangle(TriangleId{i}),
+                                    on.mesh.triangle(TriangleId{j})))
+                truth.push_back({TriangleId{i}, TriangleId{j}});
+        }
+    }
+    to.expect(found->pairs == truth, "all pairs");
 }
 
 void check_view_volumes(const Subject& on, Comparison& to)

@@ -35,29 +35,38 @@ std::vector<Leaf> empty_leaves(const Octree& octree)
     return leaves;
 }
 
-/// Components of leaves that share part of a face, by comparing all pairs of boxes.
+/// Components of leaves that share part of a face, by comparing pairs of boxes.
 std::vector<std::size_t> slow_components(const std::vector<Leaf>& leaves)
 {
+    // From left to right, so that leaves that lie beyond one end the search for its neighbours.
+    std::vector<std::size_t> order(leaves.size());
+    std::iota(order.begin(), order.end(), 0U);
+    std::ranges::sort(order, {}, [&](std::size_t i) { return leaves[i].box.lower.x(); });
+    std::vector<std::pair<std::size_t, std::size_t>> neighbours;
+    for (std::size_t a = 0; a < order.size(); ++a) {
+        const Box& one = leaves[order[a]].box;
+        for (std::size_t b = a + 1; b < order.size(); ++b) {
+            const Box& other = leaves[order[b]].box;
+            if (other.lower.x() > one.upper.x()) break;
+            const auto common =
+                (one.upper.cwiseMin(other.upper) - one.lower.cwiseMax(other.lower)).eval();
+            int flat = 0;
+            int thick = 0;
+            for (int axis = 0; axis < 3; ++axis) {
+                flat += common[axis] == 0.0 ? 1 : 0;
+                thick += common[axis] > 0.0 ? 1 : 0;
+            }
+            if (flat == 1 && thick == 2) neighbours.emplace_back(order[a], order[b]);
+        }
+    }
     std::vector<std::size_t> component(leaves.size());
     std::iota(component.begin(), component.end(), 0U);
     for (bool changed = true; changed;) {
         changed = false;
-        for (std::size_t i = 0; i < leaves.size(); ++i) {
-            for (std::size_t j = 0; j < i; ++j) {
-                if (component[i] == component[j]) continue;
-                const auto common = (leaves[i].box.upper.cwiseMin(leaves[j].box.upper) -
-                                     leaves[i].box.lower.cwiseMax(leaves[j].box.lower))
-                                        .eval();
-                int flat = 0;
-                int thick = 0;
-                for (int axis = 0; axis < 3; ++axis) {
-                    flat += common[axis] == 0.0 ? 1 : 0;
-                    thick += common[axis] > 0.0 ? 1 : 0;
-                }
-                if (flat != 1 || thick != 2) continue;
-                component[i] = component[j] = std::min(component[i], component[j]);
-                changed = true;
-            }
+        for (const auto& [i, j] : neighbours) {
+            if (component[i] == component[j]) continue;
+            component[i] = component[j] = std::min(component[i], component[j]);
+            changed = true;
         }
     }
     return component;
@@ -68,7 +77,7 @@ struct Truth {
     std::vector<CellClass> types;
 };
 
-/// Every leaf by the sum over all triangles, every component by comparing all pairs.
+/// Every leaf by the sum over all triangles, every component by comparing pairs.
 Truth slow_classes(const Octree& octree, const TriangleMesh& mesh)
 {
     const std::vector<Leaf> leaves = empty_leaves(octree);

@@ -36,7 +36,11 @@ def test_closest_equals_the_search_over_all_triangles(mesh, index, points):
     faces = closest.feature_kind == 2
     assert np.array_equal(closest.feature[faces], closest.triangle[faces]) and faces.any()
     vertices = closest.feature_kind == 0
-    assert np.array_equal(mesh.vertices[closest.feature[vertices]], closest.point[vertices])
+    assert np.array_equal(mesh.vertices[closest.feature[vertices]], closest.point[vertices]) and vertices.any()
+    edges = closest.feature_kind == 1
+    one, other = mesh.vertices[proxima.Topology(mesh).edges[closest.feature[edges]]].transpose(1, 0, 2)
+    across = np.cross(closest.point[edges] - one, closest.point[edges] - other)
+    assert np.allclose(across, 0, atol=1e-12) and edges.any()
 
 
 def test_columns_out_and_threads_change_no_answer(index, points):

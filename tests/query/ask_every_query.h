@@ -72,7 +72,7 @@ private:
     {
         std::vector<ClosestFeature> answers(points_.size());
         PROXIMA_CHECK(
-            closest_features(index_, points_, {.answers = answers}, {.execution = alone}));
+            closest_features(index_, points_, {.answers = answers}, {.execution = alone_}));
         for (const ClosestFeature& found : answers) expect_exists(found);
         for (const Vec3& p : points_) {
             const auto found = closest_feature(index_, p);
@@ -87,13 +87,13 @@ private:
         std::vector<double> distances(grid.point_count());
         std::vector<Vec3> gradients(grid.point_count());
         (void)distance_field(index_, grid, {.distances = distances, .gradients = gradients},
-                             {.execution = alone});
+                             {.execution = alone_});
     }
 
     void ask_rays()
     {
         std::vector<std::optional<RayHit>> hits(rays_.size());
-        (void)closest_hits(index_, rays_, hits, {.execution = alone});
+        (void)closest_hits(index_, rays_, hits, {.execution = alone_});
         for (const auto& hit : hits)
             if (hit) expect_exists(hit->triangle);
         for (const Ray& ray : rays_) {
@@ -162,11 +162,11 @@ private:
                                     .turn = Vec3(0, 0.5, 1)};
         if (check_motion(motion)) {
             const auto time =
-                time_of_contact(index_, index_, motion, {.max_steps = 1000, .execution = alone});
+                time_of_contact(index_, index_, motion, {.max_steps = 1000, .execution = alone_});
             if (time) expect_exists(time->triangle_a);
         }
         if (const auto found =
-                find_self_intersections(index_, {.max_pairs = 100, .execution = alone})) {
+                find_self_intersections(index_, {.max_pairs = 100, .execution = alone_})) {
             for (const TrianglePair& pair : found->pairs) {
                 expect_exists(pair.a);
                 expect_exists(pair.b);
@@ -177,9 +177,9 @@ private:
     void ask_surfaces()
     {
         (void)greatest_deviation(index_, index_,
-                                 {.max_places = 2, .max_splits = 100, .execution = alone});
-        (void)mean_deviation(index_, index_, {.max_splits = 100, .execution = alone});
-        if (const auto enclosure = build_enclosure(index_, {alone}))
+                                 {.max_places = 2, .max_splits = 100, .execution = alone_});
+        (void)mean_deviation(index_, index_, {.max_splits = 100, .execution = alone_});
+        if (const auto enclosure = build_enclosure(index_, {alone_}))
             (void)encloses(*enclosure, {}, points_[0]);
     }
 
@@ -188,7 +188,7 @@ private:
         const std::array<MeshIndex, 1> shapes = {index_};
         const std::array<Instance, 2> instances = {
             Instance{}, Instance{.pose = {Mat3::Identity(), Vec3(size(), 0, 0)}}};
-        const auto scene = build_scene(shapes, instances, {alone});
+        const auto scene = build_scene(shapes, instances, {alone_});
         if (!scene) return;
         for (std::size_t i = 0; i < 4; ++i) {
             if (const auto hit = closest_hit(*scene, rays_[i])) expect_exists(hit->hit.triangle);
@@ -197,7 +197,7 @@ private:
         }
     }
 
-    const Execution alone = {.threads = {1}};
+    const Execution alone_ = {.threads = {1}};
 
     const MeshIndex& index_;
     std::mt19937_64 random_;

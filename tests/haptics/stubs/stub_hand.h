@@ -35,6 +35,7 @@ struct State {
     long friction = 200;  ///< mN
     long damping = 300;   ///< mN s/m
     long step = 20000;    ///< nm, of the encoders along the axes
+    long period = 1000;   ///< us, of a scheduler; the hand's time is its ticks
     // What was seen.
     long ticks = 0;
     long forces = 0;

@@ -1,5 +1,6 @@
 // A stand-in for OpenHaptics' libHD.so: its functions by their public reference, a scheduler thread
-// at 1,000 Hz, millimetres, errors where the real one has them. STUB_OLD leaves functions out.
+// at 1,000 Hz (or as a test sets it), millimetres, errors where the real one has them. STUB_OLD leaves
+// functions out.
 #include "stub_hand.h"
 
 #include <atomic>
@@ -184,7 +185,7 @@ void hdStartScheduler()
     scheduler = std::thread([] {
         auto next = std::chrono::steady_clock::now();
         while (running.load()) {
-            next += std::chrono::milliseconds(1);
+            next += std::chrono::microseconds(stub_state.period);
             std::this_thread::sleep_until(next);
             if (stub_state.ticks >= stub_state.stall) continue;
             if (callback != nullptr && callback(context) == 0) callback = nullptr;

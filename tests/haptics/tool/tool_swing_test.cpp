@@ -63,6 +63,8 @@ TEST_P(ToolSwing, HardestSettingsEndBelowAMillimetreAndItsTurn)
     RecordProperty("seed", std::to_string(seed));
     const DeviceLimits device = *find_device(GetParam());
     int diverging = 0;
+    // Most diverge at once; the omni's table is in docs/haptic_tools.md.
+    const double seconds_alone = device.name == "omni" ? 4 : 2;
     std::printf("%-7s %10s %22s   (seeds from %d)\n", GetParam(), "guard off", "guard on",
                 static_cast<int>(seed));
     for (const ToolStand stand : tool_stands) {
@@ -85,7 +87,7 @@ TEST_P(ToolSwing, HardestSettingsEndBelowAMillimetreAndItsTurn)
             }
             setting.hand.mass = 0.1;
             setting.guard = Guard::off;
-            const ToolSwingResult alone = swing(scene, setting, 4);
+            const ToolSwingResult alone = swing(scene, setting, seconds_alone);
             keep(off, alone);
             diverging +=
                 std::max(alone.amplitude, turning_lever * alone.angle) > 5 * most_swing ? 1 : 0;

@@ -247,8 +247,16 @@ TEST(CastRay, BatchesAnswerLikeSingleRaysForAnyNumberOfThreads)
     const TriangleMesh torus = torus_mesh(1.0, 0.4, 24, 16);
     const MeshIndex index = ray_index_of(torus);
     const std::vector<Ray> rays = rays_for(torus, 5000, 11);
-    for (const int threads : {1, 3}) {
-        for (const Faces faces : all_faces) {
+    for (const Faces faces : all_faces) {
+        std::vector<std::optional<RayHit>> closest_of;
+        std::vector<bool> any_of;
+        std::vector<std::vector<RayHit>> all_of;
+        for (const Ray& ray : rays) {
+            closest_of.push_back(closest_hit(index, ray, faces));
+            any_of.push_back(any_hit(index, ray, faces));
+            all_of.push_back(all_hits(index, ray, faces));
+        }
+        for (const int threads : {1, 3}) {
             const RayBatchOptions options{.faces = faces, .execution = {.threads = {threads}}};
             std::vector<std::optional<RayHit>> closest(rays.size());
             const auto any = std::make_unique<bool[]>(rays.size());
@@ -258,12 +266,12 @@ TEST(CastRay, BatchesAnswerLikeSingleRaysForAnyNumberOfThreads)
             ASSERT_TRUE(lists);
             ASSERT_EQ(lists->first.size(), rays.size() + 1);
             for (std::size_t i = 0; i < rays.size(); ++i) {
-                ASSERT_EQ(closest[i], closest_hit(index, rays[i], faces));
-                ASSERT_EQ(any[i], any_hit(index, rays[i], faces));
+                ASSERT_EQ(closest[i], closest_of[i]);
+                ASSERT_EQ(any[i], any_of[i]);
                 const std::vector<RayHit> list(
                     lists->hits.begin() + static_cast<std::ptrdiff_t>(lists->first[i]),
                     lists->hits.begin() + static_cast<std::ptrdiff_t>(lists->first[i + 1]));
-                ASSERT_EQ(list, all_hits(index, rays[i], faces));
+                ASSERT_EQ(list, all_of[i]);
             }
         }
     }

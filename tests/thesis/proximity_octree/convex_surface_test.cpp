@@ -73,7 +73,7 @@ TEST(ConvexSurface, RefusesMeshesWithoutTrianglesOrNumbers)
     expect_refused(TriangleMesh(), "no triangle");
     Draft draft(make_cube());
     draft.positions[0].x() = std::numeric_limits<double>::quiet_NaN();
-    expect_refused(draft.mesh(), "");
+    expect_refused(draft.mesh(), "vertex 0, which triangles use, has a NaN");
 }
 
 TEST(ConvexSurface, RefusesOpenMeshes)
