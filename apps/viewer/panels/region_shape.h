@@ -46,8 +46,9 @@ struct RegionShape {
     std::vector<std::vector<std::uint32_t>> sides; ///< samples in a row, from corner to corner
 };
 
-/// Of the feature's region, at most `length` from it. Errors: those of local_cone, cancelled. About
-/// a thousand queries per corner of the cone. \pre the octree is the model's, length > 0
+/// The part of the feature's region that is at most `length` away from the feature. The errors are those of
+/// local_cone, and cancelled. Takes about a thousand queries per corner of the cone. \pre the index is
+/// the model's, length > 0
 [[nodiscard]] Result<RegionShape> region_shape(const ViewModel& model, const MeshIndex& with,
                                                Feature feature, double length,
                                                const Progress* progress = nullptr);
