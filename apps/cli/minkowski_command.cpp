@@ -160,6 +160,12 @@ Status run_minkowski(const Options& options, Session& session)
     for (std::uint32_t f = 0; f < sum.facet_count(); ++f) ++origins[sum.facet(f).origin];
     Box bounds;
     for (std::uint32_t v = 0; v < sum.point_count(); ++v) bounds.extend(sum.position(v));
+    if (!bounds.lower.allFinite() || !bounds.upper.allFinite()) {
+        return fail(ErrorCode::limit_exceeded,
+                    "the sum has coordinates beyond the largest double, about 1.8e308: take a "
+                    "smaller scale",
+                    "--scale");
+    }
     CountedMethods counted;
     if (options.count_operations) {
         auto counts = count_methods(*a, *b, session);

@@ -182,10 +182,10 @@ struct ConvexMeshOptions {
 
 /// The polyhedron that a closed convex mesh bounds: the exact hull of its vertices, once every edge
 /// has two triangles, all are connected, no vertex stands beyond a triangle's plane by more than
-/// the tolerance, and the area is that of the hull. Which way the triangles are turned does not
-/// matter. Errors: invalid_mesh (empty; NaN or infinity; an open or branching edge; several
-/// components; all vertices in one plane; not convex), saying where; limit_exceeded (coordinates
-/// beyond max_polyhedron_coordinate); cancelled. O(n log n).
+/// the tolerance, and by area and volume it wraps the hull once. Which way the triangles are turned
+/// does not matter. Errors: invalid_mesh (empty; NaN or infinity; an open or branching edge; one
+/// side only; several components; all vertices in one plane; not convex), saying where;
+/// limit_exceeded (coordinates beyond max_polyhedron_coordinate); cancelled. O(n log n).
 [[nodiscard]] Result<ConvexPolyhedron> polyhedron_of_mesh(const TriangleMesh& mesh,
                                                           const ConvexMeshOptions& options = {});
 

@@ -1,5 +1,6 @@
 #include "minkowski/drawn_surface.h"
 
+#include <algorithm>
 #include <cmath>
 #include <map>
 #include <utility>
@@ -9,8 +10,8 @@ namespace {
 
 /// Body is a ConvexPolyhedron or a MinkowskiSum; `positions` are those of its points.
 template <class Body, class VertexOf>
-DrawnSurface draw_facets(const Body& body, std::vector<Vec3> positions, VertexOf vertex_of,
-                         double ray_length)
+Result<DrawnSurface> draw_facets(const Body& body, std::vector<Vec3> positions, VertexOf vertex_of,
+                                 double ray_length)
 {
     DrawnSurface surface;
     surface.positions = std::move(positions);
@@ -20,6 +21,11 @@ DrawnSurface draw_facets(const Body& body, std::vector<Vec3> positions, VertexOf
         end_of[{edge.from, edge.to}] = static_cast<std::uint32_t>(surface.positions.size());
         surface.positions.emplace_back(surface.positions[edge.from] +
                                        ray_length * vertex_of(edge.to).stableNormalized());
+    }
+    if (!std::ranges::all_of(surface.positions, [](const Vec3& p) { return p.allFinite(); })) {
+        return fail(ErrorCode::limit_exceeded,
+                    "a corner lies beyond the largest double, about 1.8e308: take a smaller scale "
+                    "or shorter rays");
     }
     for (std::uint32_t f = 0; f < body.facet_count(); ++f) {
         const auto loop = body.facet_loop(f);

@@ -27,9 +27,9 @@ struct DrawnSurface {
 };
 
 /// Rays are drawn `ray_length` long from each point that they leave; where they were cut off the
-/// surface is open. Errors: invalid_argument for a length that is
-/// not positive and finite, for points, segments, and sums that hold a line: they
-/// have no polygons.
+/// surface is open. Errors: invalid_argument for a length that is not positive and finite, for
+/// points, segments, and sums that hold a line: they have no polygons; limit_exceeded where a scale
+/// or a length makes a coordinate infinite.
 [[nodiscard]] Result<DrawnSurface> draw(const ConvexPolyhedron& polyhedron, double ray_length = 1);
 [[nodiscard]] Result<DrawnSurface> draw(const MinkowskiSum& sum, double ray_length = 1);
 

@@ -9,6 +9,7 @@
 #include <cmath>
 #include <limits>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace proxima {
@@ -19,8 +20,24 @@ std::string point_text(const Vec3& p)
     return concat("(", p.x(), ", ", p.y(), ", ", p.z(), ")");
 }
 
-/// Every edge has two triangles, and all are connected across edges.
-Status check_surface(const TriangleMesh& mesh, Progress* progress)
+/// +1 if a triangle runs from one vertex of an edge to the other, -1 if it runs back; 0 if both, for
+/// it repeats a vertex.
+int way_along(const TriangleCorners& corners, const EdgeVertices& edge)
+{
+    const auto [low, high] = edge;
+    int way = 0;
+    for (std::size_t i = 0; i < 3; ++i) {
+        const VertexId from{corners[i]};
+        const VertexId to{corners[(i + 1) % 3]};
+        if (from == low && to == high) ++way;
+        if (from == high && to == low) --way;
+    }
+    return way;
+}
+
+/// Every edge has two triangles, and all are connected across edges. Returns +1 or -1 for every
+/// triangle: with those of -1 turned over, all face the same way, in or out.
+Result<std::vector<int>> check_surface(const TriangleMesh& mesh, Progress* progress)
 {
     const auto topology = build_topology(mesh, {.execution = {.progress = progress}});
     if (!topology) return tl::unexpected(topology.error());
@@ -35,27 +52,40 @@ Status check_surface(const TriangleMesh& mesh, Progress* progress)
                            point_text(mesh.position(from)), " to vertex ", to_index(to),
                            ", where a convex surface has two"));
     }
-    std::vector<bool> is_met(mesh.triangle_count(), false);
+    std::vector<int> turns(mesh.triangle_count(), 0); // 0: not met
     std::vector<std::uint32_t> to_do = {0};
-    is_met[0] = true;
-    std::size_t met = 1;
+    turns[0] = 1;
     while (!to_do.empty()) {
-        const TriangleId triangle{to_do.back()};
+        const std::uint32_t here = to_do.back();
         to_do.pop_back();
         for (int side = 0; side < 3; ++side) {
-            const TriangleId other = topology->across(triangle, side);
-            if (other == no_triangle || is_met[to_index(other)]) continue;
-            is_met[to_index(other)] = true;
-            ++met;
-            to_do.push_back(to_index(other));
+            const TriangleId across = topology->across(TriangleId{here}, side);
+            if (across == no_triangle) continue;
+            const std::uint32_t there = to_index(across);
+            const EdgeId edge = topology->edges(TriangleId{here})[static_cast<std::size_t>(side)];
+            const EdgeVertices& ends = topology->vertices(edge);
+            const int way_here = turns[here] * way_along(mesh.triangles()[here], ends);
+            const int way_there = way_along(mesh.triangles()[there], ends);
+            if (turns[there] == 0) {
+                turns[there] = way_here * way_there > 0 ? -1 : 1;
+                to_do.push_back(there);
+            } else if (way_here * turns[there] * way_there > 0) {
+                return fail(ErrorCode::invalid_mesh,
+                            concat("the surface has one side only, as a Moebius strip: triangles ",
+                                   here, " and ", there, " at the edge from vertex ",
+                                   to_index(ends[0]), " ", point_text(mesh.position(ends[0])),
+                                   " to vertex ", to_index(ends[1]),
+                                   " cannot both face outward with the others"));
+            }
         }
     }
-    const auto unmet = std::ranges::find(is_met, false) - is_met.begin();
-    if (met < mesh.triangle_count()) {
-        return fail(ErrorCode::invalid_mesh, concat("the mesh has several components: triangle ",
-                                                    unmet, " is not connected with triangle 0"));
+    const auto unmet = std::ranges::find(turns, 0);
+    if (unmet != turns.end()) {
+        return fail(ErrorCode::invalid_mesh,
+                    concat("the mesh has several components: triangle ", unmet - turns.begin(),
+                           " is not connected with triangle 0"));
     }
-    return {};
+    return turns;
 }
 
 bool is_corner(const Triangle& triangle, const Vec3& p)
@@ -63,37 +93,63 @@ bool is_corner(const Triangle& triangle, const Vec3& p)
     return std::ranges::find(triangle.vertices, p) != triangle.vertices.end();
 }
 
-/// The point of the hull that is highest above a triangle's plane, or lowest, exactly, climbing
-/// from the last one found.
+/// Finds the point of the hull that is highest above a triangle's plane, or lowest, exactly.
 class Climber {
 public:
     Climber(const ConvexPolyhedron& hull, int up) : hull_(hull), up_(up) {}
 
+    /// Whether no point is higher than this vertex.
+    [[nodiscard]] bool is_top(const Triangle& triangle, std::uint32_t vertex) const
+    {
+        return higher_neighbour(triangle, vertex) == vertex;
+    }
+
+    /// Climbs from the last one found.
     const Vec3& operator()(const Triangle& triangle)
     {
-        const Displacement u = {triangle[0], triangle[1]};
-        const Displacement v = {triangle[0], triangle[2]};
-        for (bool higher = true; higher;) {
-            higher = false;
-            const Vec3& here = hull_.vertex(at_);
-            const bool is_here = is_corner(triangle, here);
-            for (const PolyhedronNeighbour& next : hull_.neighbours(at_)) {
-                const Vec3& there = hull_.vertex(next.vertex);
-                if (is_here && is_corner(triangle, there)) continue; // level, without arithmetic
-                if (up_ * determinant_sign(u, v, Displacement{here, there}) <= 0) continue;
-                at_ = next.vertex;
-                higher = true;
-                break;
-            }
+        while (true) {
+            const std::uint32_t next = higher_neighbour(triangle, at_);
+            if (next == at_) return hull_.vertex(at_);
+            at_ = next;
         }
-        return hull_.vertex(at_);
     }
 
 private:
+    /// The vertex itself where it has none.
+    [[nodiscard]] std::uint32_t higher_neighbour(const Triangle& triangle,
+                                                 std::uint32_t vertex) const
+    {
+        const Displacement u = {triangle[0], triangle[1]};
+        const Displacement v = {triangle[0], triangle[2]};
+        const Vec3& here = hull_.vertex(vertex);
+        const bool is_here = is_corner(triangle, here);
+        for (const PolyhedronNeighbour& next : hull_.neighbours(vertex)) {
+            const Vec3& there = hull_.vertex(next.vertex);
+            if (is_here && is_corner(triangle, there)) continue; // level, without arithmetic
+            if (up_ * determinant_sign(u, v, Displacement{here, there}) > 0) return next.vertex;
+        }
+        return vertex;
+    }
+
     const ConvexPolyhedron& hull_;
     int up_;
     std::uint32_t at_ = 0;
 };
+
+constexpr std::uint32_t no_corner = std::numeric_limits<std::uint32_t>::max();
+
+/// The hull's vertex at every position that has one, by the order that they have in common; else
+/// no_corner.
+std::vector<std::uint32_t> vertices_of_hull(std::span<const Vec3> positions,
+                                            const ConvexPolyhedron& hull)
+{
+    std::vector<std::uint32_t> vertices(positions.size(), no_corner);
+    std::uint32_t next = 0;
+    for (std::size_t v = 0; v < positions.size() && next < hull.vertex_count(); ++v) {
+        if (positions[v] == hull.vertex(next)) vertices[v] = next++;
+    }
+    return vertices;
+}
 
 /// Checks that the whole hull lies on one side of every triangle's plane. Exact predicates say
 /// whether it does. What stands beyond a plane is measured from the triangle's corner, so that
@@ -102,6 +158,18 @@ Status check_convex(const TriangleMesh& mesh, const ConvexPolyhedron& hull, doub
 {
     Climber highest_above(hull, 1);
     Climber lowest_below(hull, -1);
+    const std::vector<std::uint32_t> hull_vertices = vertices_of_hull(mesh.positions(), hull);
+    // Of a triangle's corners, the one with the fewest neighbours: a cone's apex has very many.
+    const auto corner_of = [&](const TriangleCorners& corners) {
+        std::uint32_t best = no_corner;
+        for (const std::uint32_t corner : corners) {
+            const std::uint32_t vertex = hull_vertices[corner];
+            if (vertex == no_corner) continue;
+            if (best == no_corner || hull.neighbours(vertex).size() < hull.neighbours(best).size())
+                best = vertex;
+        }
+        return best;
+    };
     double worst = tolerance;
     std::size_t worst_triangle = 0;
     Vec3 worst_point = Vec3::Zero();
@@ -109,14 +177,20 @@ Status check_convex(const TriangleMesh& mesh, const ConvexPolyhedron& hull, doub
         const Triangle triangle = mesh.triangle(TriangleId{static_cast<std::uint32_t>(t)});
         const Vec3 normal = unit_normal({triangle[0], triangle[1]}, {triangle[0], triangle[2]});
         if (normal.isZero(0)) continue; // of no area: its vertices are seen through others
+        // Where the mesh is convex, this corner mostly shows it.
+        const std::uint32_t corner = corner_of(mesh.triangles()[t]);
+        if (corner != no_corner &&
+            (highest_above.is_top(triangle, corner) || lowest_below.is_top(triangle, corner)))
+            continue;
         const auto side_of = [&](const Vec3& p) {
             return is_corner(triangle, p) ? 0 : orient3d(triangle[0], triangle[1], triangle[2], p);
         };
         const Vec3& highest = highest_above(triangle);
         if (side_of(highest) <= 0) continue;
+        const double up = normal.dot(highest - triangle[0]);
+        if (up <= worst && worst > 0) continue; // whatever is below
         const Vec3& lowest = lowest_below(triangle);
         if (side_of(lowest) >= 0) continue;
-        const double up = normal.dot(highest - triangle[0]);
         const double down = normal.dot(triangle[0] - lowest);
         // There is something on either side, though rounding may leave nothing of it.
         constexpr double least = std::numeric_limits<double>::denorm_min();
@@ -133,40 +207,67 @@ Status check_convex(const TriangleMesh& mesh, const ConvexPolyhedron& hull, doub
                        "; take its convex hull, or cut it into convex parts"));
 }
 
-/// The area of a polygon or a triangle, in units of `unit` squared, so that it cannot vanish.
-template <class CornerOf>
-double area_of(std::size_t corners, CornerOf corner, double unit)
-{
-    Vec3 sum = Vec3::Zero();
-    for (std::size_t i = 2; i < corners; ++i) {
-        const Vec3 u = (corner(i - 1) - corner(0)) / unit;
-        const Vec3 v = (corner(i) - corner(0)) / unit;
-        sum += 0.5 * u.cross(v);
-    }
-    return sum.norm();
-}
+/// The area of polygons, and the volume that they bound where they face outward; lengths in units
+/// of `unit` and from `origin`, so that neither can vanish.
+class Measure {
+public:
+    Measure(Vec3 origin, double unit) : origin_(std::move(origin)), unit_(unit) {}
 
-/// A surface on its hull that is as large as the hull's wraps it once. A closed one could also be
-/// folded upon itself and leave a part open.
-Status check_area(const TriangleMesh& mesh, const ConvexPolyhedron& hull, double unit)
+    /// `turn` is -1 for a polygon that faces inward.
+    template <class CornerOf>
+    void add(std::size_t corners, CornerOf corner, int turn)
+    {
+        Vec3 sum = Vec3::Zero();
+        for (std::size_t i = 2; i < corners; ++i) {
+            const Vec3 u = (corner(i - 1) - corner(0)) / unit_;
+            const Vec3 v = (corner(i) - corner(0)) / unit_;
+            sum += 0.5 * u.cross(v);
+        }
+        area_ += sum.norm();
+        volume_ += turn * sum.dot((corner(0) - origin_) / unit_) / 3;
+    }
+
+    [[nodiscard]] double area() const noexcept { return area_; }
+    [[nodiscard]] double volume() const noexcept { return volume_; }
+
+private:
+    Vec3 origin_;
+    double unit_;
+    double area_ = 0;
+    double volume_ = 0;
+};
+
+/// Counting what faces outward less what faces inward, a closed surface on its hull covers every
+/// part of it equally often: once, or never where it is folded upon itself and holds no volume. One
+/// that covers all and has the hull's area covers nothing twice. `turns` is check_surface's.
+Status check_wrap(const TriangleMesh& mesh, const std::vector<int>& turns,
+                  const ConvexPolyhedron& hull, double tolerance, double unit)
 {
-    double mesh_area = 0;
+    Measure surface(hull.vertex(0), unit);
     for (std::size_t t = 0; t < mesh.triangle_count(); ++t) {
         const Triangle triangle = mesh.triangle(TriangleId{static_cast<std::uint32_t>(t)});
-        mesh_area += area_of(
-            3, [&](std::size_t i) { return triangle.vertices[i]; }, unit);
+        surface.add(
+            3, [&](std::size_t i) { return triangle.vertices[i]; }, turns[t]);
     }
-    double hull_area = 0;
+    Measure whole(hull.vertex(0), unit);
     for (std::uint32_t f = 0; f < hull.facet_count(); ++f) {
         const auto loop = hull.facet_loop(f);
-        hull_area += area_of(
-            loop.size(), [&](std::size_t i) { return hull.vertex(loop[i]); }, unit);
+        whole.add(
+            loop.size(), [&](std::size_t i) { return hull.vertex(loop[i]); }, 1);
     }
     constexpr double slack = 1e-6;
-    if (std::abs(mesh_area - hull_area) <= slack * hull_area) return {};
+    if (std::abs(surface.area() - whole.area()) > slack * whole.area()) {
+        return fail(ErrorCode::invalid_mesh,
+                    concat("the surface does not wrap its convex hull once: its area is ",
+                           surface.area() / whole.area(), " times the hull's; it may be folded"));
+    }
+    // What the tolerance and roundings may take from the volume of a surface that wraps the hull.
+    const double missing = (tolerance + 1e-15) * surface.area();
+    const double volume = std::abs(surface.volume());
+    if (volume + missing >= 0.5 * whole.volume()) return {};
     return fail(ErrorCode::invalid_mesh,
-                concat("the surface does not wrap its convex hull once: its area is ",
-                       mesh_area / hull_area, " times the hull's; it may be folded"));
+                concat("the surface does not wrap its convex hull once: the volume in it is ",
+                       volume / whole.volume(), " times the hull's; it may be folded"));
 }
 
 } // namespace
@@ -176,8 +277,8 @@ Result<ConvexPolyhedron> polyhedron_of_mesh(const TriangleMesh& mesh,
 {
     const auto bounds = checked_bounding_box(mesh);
     if (!bounds) return tl::unexpected(bounds.error());
-    if (Status status = check_surface(mesh, options.execution.progress); !status)
-        return tl::unexpected(status.error());
+    const auto turns = check_surface(mesh, options.execution.progress);
+    if (!turns) return tl::unexpected(turns.error());
     std::vector<bool> is_used(mesh.vertex_count(), false);
     for (const auto& corners : mesh.triangles()) {
         for (const std::uint32_t corner : corners) is_used[corner] = true;
@@ -195,7 +296,7 @@ Result<ConvexPolyhedron> polyhedron_of_mesh(const TriangleMesh& mesh,
     const double diagonal = length_of(bounds->extent());
     if (Status status = check_convex(mesh, *hull, options.tolerance * diagonal); !status)
         return tl::unexpected(status.error());
-    if (Status status = check_area(mesh, *hull, diagonal); !status)
+    if (Status status = check_wrap(mesh, *turns, *hull, options.tolerance, diagonal); !status)
         return tl::unexpected(status.error());
     return hull;
 }

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 namespace proxima::detail {
 namespace {
@@ -46,9 +47,9 @@ struct Face {
     HullTriangle triangle; ///< its first vertex is a point, unless all are rays
     Vec3 normal = Vec3::Zero();
     double tolerance = 0;
-    double farthest_height = -1;
     std::uint32_t farthest = none;
-    std::uint32_t first_waiting = none; ///< list of the vertices that wait, by Quickhull::next_
+    std::pair<bool, double> farthest_rank; ///< whether it is a ray, and its height
+    std::uint32_t first_waiting = none;    ///< list of the vertices that wait, by Quickhull::next_
     bool at_infinity = false;
     bool gone = false;
     std::uint32_t seen_by = none; ///< the last vertex that was found to see it
@@ -76,6 +77,9 @@ public:
         }
         return take_triangles();
     }
+
+    /// How often a vertex that waits was held against a face.
+    [[nodiscard]] std::uint64_t trials() const noexcept { return trials_; }
 
 private:
     [[nodiscard]] Face make_face(std::uint32_t a, std::uint32_t b, std::uint32_t c) const
@@ -118,15 +122,18 @@ private:
     bool wait_with(std::uint32_t face_index, std::uint32_t v)
     {
         Face& face = faces_[face_index];
+        ++trials_;
         const Height above = height(face, v);
         if (above.side <= 0) return false;
         next_[v] = face.first_waiting;
         face.first_waiting = v;
-        // Rays first: they reach farther than any point.
-        const double rank = vertices_.is_ray(v) ? std::numeric_limits<double>::max() : above.value;
-        if (face.farthest == none || rank > face.farthest_height) {
+        // Rays first, the steepest of them, however long: they reach farther than any point.
+        const bool is_ray = vertices_.is_ray(v);
+        const double length = is_ray ? vertices_.coordinates[v].stableNorm() : 1;
+        const std::pair rank(is_ray, above.value / length);
+        if (face.farthest == none || rank > face.farthest_rank) {
             face.farthest = v;
-            face.farthest_height = rank;
+            face.farthest_rank = rank;
         }
         return true;
     }
@@ -273,6 +280,7 @@ private:
     std::vector<std::uint32_t> to_do_;
     std::vector<std::uint32_t> visible_;
     std::vector<OutlineEdge> outline_;
+    std::uint64_t trials_ = 0;
 };
 
 } // namespace
@@ -333,10 +341,13 @@ AffineSpan affine_span(const HullVertices& vertices)
 }
 
 Result<std::vector<HullTriangle>> quickhull(const HullVertices& vertices, const AffineSpan& span,
-                                            Progress* progress)
+                                            Progress* progress, std::uint64_t* trials)
 {
     PROXIMA_CHECK_EQ(span.dimension, 3);
-    return Quickhull(vertices, progress).build(span);
+    Quickhull hull(vertices, progress);
+    auto triangles = hull.build(span);
+    if (trials != nullptr) *trials = hull.trials();
+    return triangles;
 }
 
 int hull_side(const HullVertices& vertices, const std::array<std::uint32_t, 3>& corners,

@@ -46,9 +46,12 @@ struct AffineSpan {
 [[nodiscard]] AffineSpan affine_span(const HullVertices& vertices);
 
 /// The triangles of the hull. O(n log n) for vertices in random order; the worst case is quadratic.
+/// `trials`, where given, becomes how often a vertex was held against a face: most of the work.
 /// Errors: cancelled. \pre span.dimension == 3; the rays are in an open half-space
-[[nodiscard]] Result<std::vector<HullTriangle>>
-quickhull(const HullVertices& vertices, const AffineSpan& span, Progress* progress);
+[[nodiscard]] Result<std::vector<HullTriangle>> quickhull(const HullVertices& vertices,
+                                                          const AffineSpan& span,
+                                                          Progress* progress,
+                                                          std::uint64_t* trials = nullptr);
 
 /// Bounds the error of (u x v) . d, all rounded, per unit of |d.x| + |d.y| + |d.z|.
 [[nodiscard]] double normal_tolerance(const Vec3& u, const Vec3& v) noexcept;

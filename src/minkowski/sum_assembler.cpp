@@ -101,6 +101,13 @@ void SumAssembler::number_corners()
     // Every point is a corner of three facets, mostly of four, or of two where the sum is flat.
     PairNumbers points(corners_.size() / 3);
     std::vector<SumCorner> rays;
+    std::vector<SumCorner> rays_of_b; // as they count
+    const std::size_t points_of_a = a().points().size();
+    const std::size_t points_of_b = b().points().size();
+    for (std::size_t v = points_of_b; v < b().vertex_count(); ++v)
+        rays_of_b.push_back(in_a({SumCorner::Kind::ray_of_b, 0, static_cast<std::uint32_t>(v)}));
+    std::vector<std::uint32_t> numbers_a(a().rays().size(), no_number);
+    std::vector<std::uint32_t> numbers_b(b().rays().size(), no_number);
     std::vector<std::uint32_t>& loops = parts_->loops;
     loops.resize(corners_.size());
     for (std::size_t i = 0; i < corners_.size(); ++i) {
@@ -111,13 +118,15 @@ void SumAssembler::number_corners()
             loops[i] = number;
             continue;
         }
-        if (corner.kind == SumCorner::Kind::ray_of_b) corner = in_a(corner);
-        const auto known = std::ranges::find_if(rays, [&](const SumCorner& ray) {
-            return ray.kind == corner.kind && ray.a == corner.a && ray.b == corner.b;
-        });
-        loops[i] =
-            no_number - static_cast<std::uint32_t>(known - rays.begin()); // its number from above
-        if (known == rays.end()) rays.push_back(corner);
+        if (corner.kind == SumCorner::Kind::ray_of_b) corner = rays_of_b[corner.b - points_of_b];
+        std::uint32_t& number = corner.kind == SumCorner::Kind::ray_of_a
+                                    ? numbers_a[corner.a - points_of_a]
+                                    : numbers_b[corner.b - points_of_b];
+        if (number == no_number) {
+            number = static_cast<std::uint32_t>(rays.size());
+            rays.push_back(corner);
+        }
+        loops[i] = no_number - number; // its number from above
     }
     parts_->point_count = parts_->corners.size();
     parts_->corners.insert(parts_->corners.end(), rays.begin(), rays.end());

@@ -106,6 +106,14 @@ class Refusing(ProgramTest):
         for scale in ("0", "-inf", "nan"):
             self.refuse("minkowski", "cube", "cube", "--scale", scale, says="--scale")
 
+    def test_scales_that_make_coordinates_infinite(self):
+        ten = self.file("ten.off", tetrahedron(10))
+        for scale in ("1e308", "-1e308"):
+            for name in ("o.obj", "o.ply", "o.glb", None):
+                out = ("--out", self.folder / name) if name else ()
+                self.refuse("minkowski", ten, ten, "--scale", scale, *out, says=("--scale", "1.8e308"))
+        self.succeed("minkowski", ten, ten, "--scale", "1e306", "--out", self.folder / "o.obj")
+
 
 if __name__ == "__main__":
     unittest.main()

@@ -2,6 +2,7 @@
 #include "proxima/convex_polyhedron.h"
 
 #include "geometry/exact_predicates.h"
+#include "minkowski/quickhull.h"
 #include "polytopes.h"
 
 #include <gtest/gtest.h>
@@ -178,6 +179,31 @@ TEST(ConvexHull, UnboundedHullsHaveTheirRaysInLoops)
     const auto half_line = test::hull_of({{0, 0, 0}, {5, 0, 0}}, {{-2, 0, 0}});
     EXPECT_EQ(half_line.dimension(), 1);
     EXPECT_EQ(half_line.points()[0], Vec3(5, 0, 0));
+}
+
+/// A ray that waits is held against some 25 faces, whatever the order and the lengths.
+TEST(ConvexHull, RaysInOrderRoundAConeTakeNoMoreTrialsThanOthers)
+{
+    std::mt19937 random(1);
+    for (const bool in_order : {true, false}) {
+        for (const double longest : {1.0, 1e6}) {
+            Points vertices = {{0, 0, 0}};
+            const std::size_t rays = 8000;
+            for (std::size_t i = 0; i < rays; ++i) {
+                const double x = static_cast<double>(i) / rays;
+                const double length = std::pow(longest, x);
+                vertices.emplace_back(length * Vec3(x, x * x, 1));
+            }
+            if (!in_order) std::shuffle(vertices.begin() + 1, vertices.end(), random);
+            const detail::HullVertices with_rays = {vertices, 1};
+            std::uint64_t trials = 0;
+            const auto triangles =
+                detail::quickhull(with_rays, detail::affine_span(with_rays), nullptr, &trials);
+            ASSERT_TRUE(triangles);
+            EXPECT_EQ(triangles->size(), 2 * rays - 2);
+            EXPECT_LT(trials, 100 * rays);
+        }
+    }
 }
 
 TEST(ConvexHull, RefusesBadInput)

@@ -9,6 +9,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <gtest/gtest.h>
 #include <tuple>
 
@@ -212,6 +213,82 @@ TEST(PolyhedronOfMesh, RefusesTinyConcaveAndFoldedMeshes)
     EXPECT_NE(message_of(result).find("folded"), std::string::npos) << message_of(result);
 }
 
+/// Three walls of a cube, each doubled. Two edges have a vertex halfway, so that every edge has two
+/// triangles.
+TEST(PolyhedronOfMesh, RefusesDoubledWallsOfTheHullsArea)
+{
+    const Points points = {{0, 0, 0}, {0, 1, 0}, {1, 0, 0}, {1, 1, 0},   {0, 0, 1},
+                           {0, 1, 1}, {1, 0, 1}, {1, 1, 1}, {0, 0.5, 0}, {1, 0.5, 0}};
+    std::vector<TriangleCorners> folded = {
+        {4, 0, 8}, {4, 8, 1}, {4, 1, 5}, {8, 0, 2}, {8, 2, 9}, {8, 9, 3}, {8, 3, 1}, {6, 2, 9},
+        {6, 9, 3}, {6, 3, 7}, {0, 1, 5}, {0, 5, 4}, {0, 1, 3}, {0, 3, 2}, {2, 3, 7}, {2, 7, 6}};
+    for (int turned = 0; turned < 2; ++turned) {
+        for (const double size : {1.0, 1e-165, 1e80}) {
+            Points scaled = points;
+            for (Vec3& p : scaled) p *= size;
+            const auto result = polyhedron_of_mesh(mesh_of(scaled, folded));
+            EXPECT_NE(message_of(result).find("folded"), std::string::npos) << message_of(result);
+        }
+        for (std::size_t t = 0; t < folded.size(); t += 3) std::swap(folded[t][0], folded[t][1]);
+    }
+}
+
+TEST(PolyhedronOfMesh, RefusesASurfaceWithOneSide)
+{
+    // The projective plane of six vertices.
+    const Points points = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {1, 1, 1}, {2, 3, 5}};
+    const std::vector<TriangleCorners> triangles = {{0, 1, 2}, {0, 2, 3}, {0, 3, 4}, {0, 4, 5},
+                                                    {0, 5, 1}, {1, 2, 4}, {2, 3, 5}, {3, 4, 1},
+                                                    {4, 5, 2}, {5, 1, 3}};
+    const auto result = polyhedron_of_mesh(mesh_of(points, triangles));
+    EXPECT_NE(message_of(result).find("one side only"), std::string::npos) << message_of(result);
+}
+
+/// Flatter than roundings and than the tolerance: no volume tells whether the hull is wrapped.
+TEST(PolyhedronOfMesh, AcceptsDiscsThatAreHardlyThick)
+{
+    const Vec3 right = Vec3(1, 2, 3).normalized();
+    const Vec3 up = right.cross(Vec3(0, 1, 0)).normalized();
+    for (const double thickness : {0.0, 1e-15, 1e-12, 1e-9, 1e-6, 1e-3}) {
+        SCOPED_TRACE(thickness);
+        Points points;
+        std::vector<TriangleCorners> triangles;
+        const std::uint32_t sides = 60;
+        for (std::uint32_t i = 0; i < sides; ++i) {
+            const double angle = 2 * 3.14159265358979 * i / sides;
+            points.push_back(std::cos(angle) * right + std::sin(angle) * up);
+            triangles.push_back({i, (i + 1) % sides, sides});
+            triangles.push_back({(i + 1) % sides, i, sides + 1});
+        }
+        points.push_back(-0.5 * thickness * right.cross(up));
+        points.push_back(0.5 * thickness * right.cross(up));
+        const auto result = polyhedron_of_mesh(mesh_of(points, triangles));
+        EXPECT_TRUE(result) << message_of(result);
+    }
+}
+
+/// An apex with all sides around it is not gone around for every one of them.
+TEST(PolyhedronOfMesh, TakesConesOfManySidesInTheTimeOfTheirHull)
+{
+    const std::uint32_t sides = 50000;
+    Points points;
+    std::vector<TriangleCorners> triangles;
+    for (std::uint32_t i = 0; i < sides; ++i) {
+        const double angle = 2 * 3.14159265358979 * i / sides;
+        points.emplace_back(std::cos(angle), std::sin(angle), 0);
+        triangles.push_back({i, (i + 1) % sides, sides});
+        triangles.push_back({(i + 1) % sides, i, sides + 1});
+    }
+    points.emplace_back(0, 0, 1);
+    points.emplace_back(0, 0, -1);
+    const TriangleMesh mesh = mesh_of(points, triangles);
+    const double of_hull =
+        test::processor_time([&] { EXPECT_EQ(convex_hull(points)->facet_count(), 2 * sides); });
+    const double of_mesh = test::processor_time(
+        [&] { EXPECT_EQ(polyhedron_of_mesh(mesh)->facet_count(), 2 * sides); });
+    EXPECT_LT(of_mesh, 3 * of_hull);
+}
+
 TEST(PolyhedronOfMesh, IgnoresOrientationAndUnusedVertices)
 {
     const TriangleMesh cube = make_cube();
@@ -298,6 +375,7 @@ TEST(DrawnSurface, CutsRaysAtALength)
     EXPECT_EQ(mesh->triangle_count(), 7U);
     EXPECT_EQ(bounding_box(*mesh).upper.z(), 10);
     EXPECT_FALSE(draw(test::hull_of({{0, 0, 0}, {1, 0, 0}})));
+    EXPECT_EQ(draw(*prism, 1e300)->positions.back().z(), 1e300);
     // A closed surface: the volume of cube (+) octahedron is that of its parts (Steiner's formula
     // by hand: 8 + 4/3 + 6 faces 4 x 1 + 12 edges' prisms 2 x 1/2).
     const auto sum = *minkowski_sum(cube, test::hull_of(test::octahedron_points(1)));
@@ -308,6 +386,16 @@ TEST(DrawnSurface, CutsRaysAtALength)
         volume += triangle[0].dot(triangle[1].cross(triangle[2])) / 6;
     }
     EXPECT_DOUBLE_EQ(volume, 8 + 4.0 / 3 + 6 * 4 * 1 + 12 * 2 * 0.5);
+}
+
+TEST(DrawnSurface, RefusesCornersThatAreNotFinite)
+{
+    const auto cube = test::hull_of(test::cube_points(10));
+    const auto sum = *minkowski_sum(cube, cube);
+    EXPECT_TRUE(draw(sum.scaled(1e306)));
+    const auto surface = draw(sum.scaled(1e308));
+    ASSERT_FALSE(surface);
+    EXPECT_EQ(surface.error().code, ErrorCode::limit_exceeded);
 }
 
 } // namespace

@@ -298,6 +298,29 @@ TEST(MinkowskiSum, SumsPrismsOfManySidesInLinearTime)
     expect_euler(*sum);
 }
 
+TEST(MinkowskiSum, SumsConesOfManyRaysInTheTimeOfTheirHull)
+{
+    const std::uint32_t sides = 50000;
+    Points rays;
+    for (std::uint32_t i = 0; i < sides; ++i) {
+        const double angle = 2 * 3.14159265358979 * i / sides;
+        rays.emplace_back(std::cos(angle), std::sin(angle), 1);
+    }
+    const auto cube = test::hull_of(test::cube_points(1));
+    Result<ConvexPolyhedron> cone = cube;
+    const double of_hull = test::processor_time([&] {
+        cone = convex_hull(Points{{0, 0, 0}}, rays);
+    });
+    ASSERT_EQ(cone->facet_count(), sides);
+    for (const bool is_first : {true, false}) {
+        const double of_sum = test::processor_time([&] {
+            const auto sum = is_first ? minkowski_sum(*cone, cube) : minkowski_sum(cube, *cone);
+            EXPECT_EQ(sum->vertex_count() - sum->point_count(), sides);
+        });
+        EXPECT_LT(of_sum, of_hull);
+    }
+}
+
 TEST(MinkowskiSum, StopsOnRequest)
 {
     std::mt19937 random(1);

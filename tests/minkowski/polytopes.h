@@ -4,12 +4,22 @@
 #include "proxima/convex_polyhedron.h"
 
 #include <cstdint>
+#include <ctime>
 #include <random>
 #include <vector>
 
 namespace proxima::test {
 
 using Points = std::vector<Vec3>;
+
+/// The processor time of the whole program for some work, in ticks.
+template <class Work>
+double processor_time(const Work& work)
+{
+    const std::clock_t start = std::clock();
+    work();
+    return static_cast<double>(std::clock() - start);
+}
 
 /// Whole random points in [-reach, reach]^3.
 inline Points whole_points(std::mt19937& random, int count, int reach)
