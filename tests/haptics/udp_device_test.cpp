@@ -65,6 +65,32 @@ TEST(UdpDevice, CountsLostDuplicatedAndReorderedPackets)
     EXPECT_EQ(device->read().state.condition, InputCondition::released);
 }
 
+TEST(UdpDevice, AnotherDeviceComesAtOnceWhenTheFirstLeaves)
+{
+    const auto device = listening_device();
+    const auto take = [&](const StatePacket& packet, const UdpAddress& from, std::int64_t ms) {
+        device->take(encode(packet), from, ms * millisecond);
+    };
+    const UdpReport& report = device->report();
+    take(state_packet(1), device_side, 1001);
+    StatePacket other = state_packet(1);
+    other.session = 78;
+    take(other, somebody, 1002);
+    EXPECT_EQ(report.foreign, 1U);
+    StatePacket leaving = state_packet(2);
+    leaving.flags = StatePacket::leaving;
+    take(leaving, device_side, 1002);
+    EXPECT_EQ(device->read().state.condition, InputCondition::released);
+    other.sequence = 2;
+    take(other, somebody, 1003);
+    EXPECT_EQ(report.sessions, 2U);
+    EXPECT_EQ(report.accepted, 3U);
+    EXPECT_EQ(device->read().state.condition, InputCondition::well);
+    // The first one has no way back while this one is there.
+    take(state_packet(3), device_side, 1004);
+    EXPECT_EQ(report.foreign, 2U);
+}
+
 TEST(UdpDevice, ANumberTooHighToFollowLocksNobodyOut)
 {
     const auto device = listening_device();

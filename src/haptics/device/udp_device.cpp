@@ -93,6 +93,7 @@ void UdpDevice::take(std::span<const std::byte> datagram, const UdpAddress& from
     }
     report_.lost += order_.accept(packet.sequence, nanoseconds);
     ++report_.accepted;
+    if ((packet.flags & StatePacket::leaving) != 0) order_.leave();
     answered_ = packet;
     reading_.state = device_state(packet);
     ++reading_.sample;

@@ -4,8 +4,8 @@
 //     proxima touch bunny.obj --device udp:4711         listens on this machine alone
 //
 // Datagrams are not trusted. A tick takes at most 64 of them. It accepts only whole ones of our
-// version, from one device at a time (the address and session of the first, until it is silent for a
-// second), only samples newer than the last by at most 65,536, and only if their delay exceeds the
+// version, from one device at a time (the address and session of the first, until it leaves or is silent
+// for a second), only samples newer than the last by at most 65,536, and only if their delay exceeds the
 // shortest by no more than the patience. After a second without a good one the same device may start
 // anew with any number. Their content goes through DeviceInput like that of every device. After the
 // patience (20 ms) without a good one the force fades within ForceOptions::loss_seconds (50 ms).

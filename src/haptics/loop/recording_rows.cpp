@@ -1,24 +1,13 @@
 #include "haptics/loop/recording_rows.h"
 
 #include "base/text.h"
+#include "geometry/pose_matrix.h"
 #include "haptics/loop/recorded_numbers.h"
 
+#include <algorithm>
 #include <string>
 
 namespace proxima {
-
-namespace {
-
-void write_pose(const RigidTransform& pose, double (&numbers)[12])
-{
-    for (int row = 0; row < 3; ++row) {
-        for (int column = 0; column < 3; ++column)
-            numbers[4 * row + column] = pose.rotation(row, column);
-        numbers[4 * row + 3] = pose.translation[row];
-    }
-}
-
-} // namespace
 
 SettingNumbers recording_row(const RecordingSettings& settings)
 {
@@ -74,7 +63,7 @@ MessageNumbers recording_row(const SceneMessage& message)
     result.object = to_index(message.object);
     result.parts = (message.has_motion ? 1U : 0U) | (message.has_material ? 2U : 0U);
     const ObjectMotion& motion = message.motion;
-    write_pose(motion.pose, result.pose);
+    std::ranges::copy(pose_matrix(motion.pose), result.pose);
     result.seconds = motion.seconds;
     for (int axis = 0; axis < 3; ++axis) {
         result.velocity[axis] = motion.velocity[axis];
@@ -92,7 +81,7 @@ MessageNumbers recording_row(const SceneMessage& message)
 ObjectNumbers recording_row(const ScriptedObject& object)
 {
     ObjectNumbers result{};
-    write_pose(object.pose, result.pose);
+    std::ranges::copy(pose_matrix(object.pose), result.pose);
     for (int axis = 0; axis < 3; ++axis) result.along[axis] = object.script.along[axis];
     result.kind = static_cast<double>(object.script.kind);
     result.angle = object.script.angle;

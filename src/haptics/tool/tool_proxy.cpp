@@ -109,8 +109,8 @@ bool ToolProxy::place(const RigidTransform& pose) noexcept
     if (!is_free) {
         pose_ = before;
         list_margin_ = -1;
+        most_margin_ = base_margin_;
     }
-    most_margin_ = base_margin_;
     return is_free;
 }
 

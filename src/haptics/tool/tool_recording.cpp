@@ -2,6 +2,7 @@
 
 #include "base/binary_file.h"
 #include "base/text.h"
+#include "geometry/pose_matrix.h"
 #include "haptics/loop/recorded_numbers.h"
 
 #include <bit>
@@ -115,18 +116,6 @@ ToolRecordingSettings settings_of(std::span<const double> n)
     return settings;
 }
 
-std::array<double, 12> numbers_of(const RigidTransform& pose) noexcept
-{
-    std::array<double, 12> result{};
-    for (std::size_t row = 0; row < 3; ++row) {
-        const auto at = static_cast<Eigen::Index>(row);
-        for (Eigen::Index column = 0; column < 3; ++column)
-            result[4 * row + static_cast<std::size_t>(column)] = pose.rotation(at, column);
-        result[4 * row + 3] = pose.translation[at];
-    }
-    return result;
-}
-
 template <std::size_t Count>
 bool equal_bits(const std::array<double, Count>& a, const std::array<double, Count>& b) noexcept
 {
@@ -193,8 +182,8 @@ DeviceLimits ToolRecordingSettings::device() const
 RecordedToolTick recorded(const DeviceState& state, const ToolTick& tick) noexcept
 {
     RecordedToolTick result;
-    result.device = numbers_of(state.pose);
-    result.proxy = numbers_of(tick.proxy);
+    result.device = pose_matrix(state.pose);
+    result.proxy = pose_matrix(tick.proxy);
     result.force = {tick.force.x(), tick.force.y(), tick.force.z()};
     result.torque = {tick.torque.x(), tick.torque.y(), tick.torque.z()};
     result.condition = static_cast<std::uint32_t>(state.condition);

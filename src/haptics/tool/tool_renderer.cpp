@@ -1,6 +1,7 @@
 #include "proxima/tool_renderer.h"
 
 #include "base/text.h"
+#include "geometry/pose_matrix.h"
 #include "haptics/device/check_numbers.h"
 #include "haptics/force/contact_force.h"
 #include "haptics/scene/contact_body.h"
@@ -10,7 +11,6 @@
 #include "haptics/tool/tool_proxy.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstdint>
 #include <memory>
@@ -143,15 +143,6 @@ Friction friction_of(const std::optional<SurfaceMaterial>& material,
 Result<MeshIndex> index_of(const ContactBody& body)
 {
     return body.is_refit() ? build_mesh_index(body.mesh()) : body.mesh_index();
-}
-
-/// Of rounded numbers; others are as they are.
-Result<RigidTransform> nearest_rigid(const RigidTransform& pose)
-{
-    std::array<double, 12> matrix{};
-    Eigen::Map<Eigen::Matrix<double, 3, 4, Eigen::RowMajor>>(matrix.data()) << pose.rotation,
-        pose.translation;
-    return make_rigid_transform(matrix);
 }
 
 bool is_usable(const RigidTransform& pose, double farthest) noexcept
@@ -432,7 +423,7 @@ Result<ToolRenderer> make_tool_renderer(const MeshIndex& tool, std::span<const T
         return tl::unexpected(status.error());
     std::vector<ToolObject> placed(objects.begin(), objects.end());
     for (ToolObject& object : placed) {
-        const auto pose = nearest_rigid(object.pose);
+        const auto pose = make_rigid_transform(pose_matrix(object.pose));
         if (!pose || !is_usable(*pose, most_coordinate)) {
             return fail(ErrorCode::invalid_argument, "the pose of an object must be rigid",
                         "objects");

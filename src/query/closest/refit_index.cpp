@@ -96,15 +96,41 @@ struct ReachedCell {
 
 constexpr std::size_t no_node = static_cast<std::size_t>(-1);
 
+bool has_list(std::uint64_t word) noexcept
+{
+    return proximity_word::is_leaf(word) && word != proximity_word::search;
+}
+
+/// For each eight nodes, whether a list is left among them or below.
+std::vector<bool> groups_with_lists(std::span<const std::uint64_t> nodes, std::uint64_t root)
+{
+    std::vector<std::uint64_t> groups; // parents before their children
+    if (!proximity_word::is_leaf(root)) groups.push_back(root);
+    for (std::size_t next = 0; next < groups.size(); ++next) {
+        for (const std::uint64_t word : nodes.subspan(groups[next], 8))
+            if (!proximity_word::is_leaf(word)) groups.push_back(word);
+    }
+    std::vector<bool> found(nodes.size() / 8);
+    for (std::size_t i = groups.size(); i-- > 0;) {
+        found[groups[i] / 8] =
+            std::ranges::any_of(nodes.subspan(groups[i], 8), [&](std::uint64_t word) {
+                return proximity_word::is_leaf(word) ? has_list(word) : found[word / 8];
+            });
+    }
+    return found;
+}
+
 /// Finds leaves that features which moved may be closest in, and takes their lists away.
 class LeafStaler {
 public:
+    /// `root` is the root's word.
     LeafStaler(const MeshIndex& old, const TriangleMesh& mesh, const LocalFeatures& features,
-               std::span<std::uint64_t> nodes, Progress* progress)
-        : old_(old), mesh_(mesh), features_(features), nodes_(nodes), progress_(progress)
+               std::span<std::uint64_t> nodes, std::uint64_t root, Progress* progress)
+        : old_(old), mesh_(mesh), features_(features), nodes_(nodes),
+          listed_(groups_with_lists(nodes, root)), progress_(progress)
     {}
 
-    /// The children of a split cell that are reached, and no nearer feature hides.
+    /// The children of a split cell that have lists, are reached, and no nearer feature hides.
     void split(const ReachedCell& cell, std::vector<ReachedCell>& children) const
     {
         std::vector<std::uint8_t> masks(cell.features.size());
@@ -114,9 +140,12 @@ public:
             one.cube = child(cell.cube, octant);
             one.node = cell.word + static_cast<std::size_t>(octant);
             one.word = nodes_[one.node];
-            if (one.word == proximity_word::search) continue;
+            const bool is_listed =
+                proximity_word::is_leaf(one.word) ? has_list(one.word) : listed_[one.word / 8];
+            if (!is_listed) continue;
             for (std::size_t k = 0; k < masks.size(); ++k)
                 if ((masks[k] >> octant & 1) != 0) one.features.push_back(cell.features[k]);
+            if (one.features.empty()) continue;
             drop_hidden(one);
             if (!one.features.empty()) children.push_back(std::move(one));
         }
@@ -161,13 +190,9 @@ private:
     const TriangleMesh& mesh_; ///< as it is
     const LocalFeatures& features_;
     std::span<std::uint64_t> nodes_;
+    std::vector<bool> listed_; ///< as groups_with_lists has them
     Progress* progress_;
 };
-
-bool has_list(std::uint64_t word) noexcept
-{
-    return proximity_word::is_leaf(word) && word != proximity_word::search;
-}
 
 /// Takes away the lists that hold a triangle that moved. Runs are looked at entry by entry.
 void drop_moved_lists(const ProximityArrays& arrays, const std::vector<std::uint32_t>& moved,
@@ -277,7 +302,7 @@ refit_lists(const MeshIndex& index, const TriangleMesh& mesh, const Topology& to
         const auto features = collect_local_features(mesh, topology, index.ids(), lists.frame(),
                                                      options.execution.progress);
         if (!features) return cancelled("refitting the mesh index");
-        const LeafStaler staler(index, mesh, *features, nodes, options.execution.progress);
+        const LeafStaler staler(index, mesh, *features, nodes, *root, options.execution.progress);
         ReachedCell cell;
         cell.cube = {{0, 0, 0}, static_cast<float>(lists.frame().frame_half())};
         cell.word = *root;

@@ -3,6 +3,7 @@
 #include "haptics/tool/rigid_motion.h"
 #include "haptics/tool/tool_bench.h"
 #include "haptics/tool/tool_guard.h"
+#include "haptics/tool/tool_proxy.h"
 #include "proxima/sample_meshes.h"
 #include "proxima/tool_renderer.h"
 
@@ -126,6 +127,27 @@ TEST(ToolRenderer, ACrowdOfTrianglesLetsGo)
     overloaded = 0;
     go_to(0.02, 200);
     EXPECT_EQ(overloaded, 0);
+}
+
+/// Its edge is nearer to a table than four clearances, and so tilted that a list of what is within the usual
+/// ten has no room for a third of its triangles, but one within five has. Then the first tick begins with five.
+TEST(ToolProxy, PlacesADenseToolNearAnObjectByAShorterList)
+{
+    constexpr double clearance = 1e-5;
+    constexpr double tilt = 8.3e-3;
+    std::vector<SeenObject> objects;
+    objects.push_back(
+        {.body = RigidBody::build(index_of(box_mesh({0.1, 0.1, 0.05}, {0, 0, -0.05}))).value()});
+    ToolProxy proxy(RigidBody::build(dense_face(60)).value(), std::move(objects),
+                    {.clearance = clearance, .turning_length = 0.03, .max_work = 800});
+    RigidTransform device = pose_at({0, 0, half * (1 + tilt) + 3.75 * clearance}, {0, tilt, 0});
+    ASSERT_TRUE(proxy.place(device));
+    device.translation.x() += 5 * clearance;
+    proxy.follow(device);
+    EXPECT_GT(proxy.work().pairs, 300U);
+    EXPECT_LT(proxy.work().spent, 500U); // a list that finds no room adds 356
+    EXPECT_EQ(proxy.end(), ToolEnd::settled);
+    EXPECT_EQ(proxy.pose().translation, device.translation);
 }
 
 /// The passivity guard damps the force alone then, and a reset forgets what it did.

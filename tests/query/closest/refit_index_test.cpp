@@ -165,6 +165,23 @@ TEST(RefitIndex, LooksForNoLeavesWhereNoListIsLeft)
     expect_answers(back, mesh, topology, points_about(smaller, mesh, 60));
 }
 
+TEST(RefitIndex, LooksForNoLeavesBelowCellsWithoutLists)
+{
+    const TriangleMesh mesh = sample_mesh("sphere:60x60").value();
+    const auto topology = build_topology(mesh).value();
+    const auto built = testing::listed_index(mesh).value();
+    const TriangleMesh other = moved(
+        mesh, [](std::size_t, const Vec3& p) -> Vec3 { return p.x() > 0 ? Vec3(0.99 * p) : p; });
+    // It reports a step for each of the 512 cells that it looks below: few but those where x is about 0.
+    Progress progress;
+    progress.cancel_after(150);
+    const auto refitted =
+        refit_index(built, other, topology, {.execution = {.progress = &progress}});
+    ASSERT_TRUE(refitted) << describe(refitted.error());
+    EXPECT_STREQ(progress.stage(), "leaves that triangles moved into");
+    expect_answers(*refitted, other, topology, points_about(mesh, other, 60));
+}
+
 TEST(RefitIndex, IsTheSameForAnyNumberOfThreads)
 {
     const TriangleMesh mesh = sample_mesh("torus:40x30").value();
