@@ -96,7 +96,7 @@ void Canvas::fill(const Background& background)
 }
 
 template <class Put>
-void Canvas::cover(const std::array<ScreenPoint, 3>& triangle, const Put& put) const
+std::uint64_t Canvas::cover(const std::array<ScreenPoint, 3>& triangle, const Put& put) const
 {
     const auto corner = [&](std::size_t i) -> Vec2 {
         return samples_per_axis * Vec2(triangle[i].x, triangle[i].y);
@@ -105,7 +105,7 @@ void Canvas::cover(const std::array<ScreenPoint, 3>& triangle, const Put& put) c
     const Vec2 ab = corner(1) - a;
     const Vec2 ac = corner(2) - a;
     const double area = ab.x() * ac.y() - ab.y() * ac.x();
-    if (area == 0.0 || !std::isfinite(area)) return;
+    if (area == 0.0 || !std::isfinite(area)) return 0;
     const Vec2 lower = a.cwiseMin(corner(1)).cwiseMin(corner(2));
     const Vec2 upper = a.cwiseMax(corner(1)).cwiseMax(corner(2));
     const SampleRange across(lower.x(), upper.x(), columns_);
@@ -113,9 +113,11 @@ void Canvas::cover(const std::array<ScreenPoint, 3>& triangle, const Put& put) c
     constexpr int narrow = 8; // samples: to test them all takes no longer than to leave some out
     const bool is_narrow = across.last - across.first < narrow;
     const std::array<Vec2, 3> corners = {a, corner(1), corner(2)};
+    std::uint64_t samples = 0;
     for (int y = down.first; y <= down.last && !stopped(); ++y) {
         const SampleRange part = is_narrow ? across : part_of_row(corners, y, columns_);
         for (int x = part.first; x <= part.last; ++x) {
+            ++samples;
             const Vec2 offset = Vec2(x + 0.5, y + 0.5) - a;
             const double v = (offset.x() * ac.y() - offset.y() * ac.x()) / area;
             const double w = (ab.x() * offset.y() - ab.y() * offset.x()) / area;
@@ -127,17 +129,18 @@ void Canvas::cover(const std::array<ScreenPoint, 3>& triangle, const Put& put) c
                 static_cast<float>(w));
         }
     }
+    return samples;
 }
 
-void Canvas::draw_triangle(const std::array<ScreenVertex, 3>& triangle)
+std::uint64_t Canvas::draw_triangle(const std::array<ScreenVertex, 3>& triangle)
 {
-    cover({triangle[0].point, triangle[1].point, triangle[2].point},
-          [&](std::size_t sample, float nearness, float u, float v, float w) {
-              if (nearness <= nearness_[sample]) return;
-              nearness_[sample] = nearness;
-              colors_[sample] =
-                  u * triangle[0].color + v * triangle[1].color + w * triangle[2].color;
-          });
+    return cover({triangle[0].point, triangle[1].point, triangle[2].point},
+                 [&](std::size_t sample, float nearness, float u, float v, float w) {
+                     if (nearness <= nearness_[sample]) return;
+                     nearness_[sample] = nearness;
+                     colors_[sample] =
+                         u * triangle[0].color + v * triangle[1].color + w * triangle[2].color;
+                 });
 }
 
 void Canvas::blend_triangle(const std::array<ScreenPoint, 3>& triangle, const Color& color,

@@ -14,6 +14,7 @@
 
 #include <array>
 #include <cstddef>
+#include <cstdint>
 #include <memory>
 
 namespace proxima {
@@ -60,8 +61,8 @@ public:
            const Progress* progress = nullptr);
 
     /// Fills the triangle where nothing drawn before is nearer. Parts outside the canvas are cut.
-    /// \pre all three in front of the eye
-    void draw_triangle(const std::array<ScreenVertex, 3>& triangle);
+    /// Returns how many samples it looked at. \pre all three in front of the eye
+    std::uint64_t draw_triangle(const std::array<ScreenVertex, 3>& triangle);
 
     /// Blends the triangle, of one colour, over what lies there, where nothing is nearer: later
     /// triangles are not hidden by it, so far ones are to be drawn first.
@@ -86,9 +87,10 @@ public:
 private:
     void fill(const Background& background);
 
-    /// Calls put(sample, nearness, u, v, w) for all samples that the triangle covers.
+    /// Calls put(sample, nearness, u, v, w) for all samples that the triangle covers. Returns how many
+    /// it looked at.
     template <class Put>
-    void cover(const std::array<ScreenPoint, 3>& triangle, const Put& put) const;
+    std::uint64_t cover(const std::array<ScreenPoint, 3>& triangle, const Put& put) const;
 
     [[nodiscard]] std::size_t sample_index(int x, int y) const noexcept
     {

@@ -168,7 +168,10 @@ Result<PoseAnswer> find_in(const Body& a, const Body& b, const RigidTransform& p
             });
         answer.cell_seconds = watch.seconds();
         if (Status status = session.check_running(); !status) return tl::unexpected(status.error());
-        answer.candidates = candidate_triangles(a.octree, b.octree, answer.leaves);
+        auto candidates =
+            candidate_triangles(a.octree, b.octree, answer.leaves, &session.progress());
+        if (!candidates) return tl::unexpected(candidates.error());
+        answer.candidates = *std::move(candidates);
     }
     if (options.distance) {
         const Stopwatch watch;

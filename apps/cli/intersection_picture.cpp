@@ -102,11 +102,12 @@ Result<Image> draw_intersection(const IntersectionScene& scene, const PictureOpt
     if (!camera) return tl::unexpected(camera.error());
     const View view(*camera, size);
 
-    const CandidateTriangles candidates =
-        candidate_triangles(scene.octree_a, scene.octree_b, scene.leaves);
-    draw_mesh(canvas, view, scene.mesh_a, marking(candidates.a, srgb(0xEBD9D5)),
+    const auto candidates = candidate_triangles(scene.octree_a, scene.octree_b, scene.leaves,
+                                                options.execution.progress);
+    if (!candidates) return tl::unexpected(candidates.error());
+    draw_mesh(canvas, view, scene.mesh_a, marking(candidates->a, srgb(0xEBD9D5)),
               options.execution.progress);
-    draw_mesh(canvas, view, mesh_b, marking(candidates.b, srgb(0xD6E6D6)),
+    draw_mesh(canvas, view, mesh_b, marking(candidates->b, srgb(0xD6E6D6)),
               options.execution.progress);
     canvas.darken_creases(14.0, 0.45F);
     draw_contour(canvas, view, scene.contour);

@@ -25,11 +25,13 @@ std::vector<Box> boxes_of_leaves(const Octree& octree, const std::vector<LeafPai
                                  Cell LeafPair::*side)
 {
     std::vector<Cell> cells;
-    cells.reserve(pairs.size());
-    for (const LeafPair& pair : pairs) cells.push_back(pair.*side);
+    std::vector<bool> is_seen(octree.nodes().size());
+    for (const LeafPair& pair : pairs) {
+        const Cell& cell = pair.*side;
+        if (!is_seen[cell.node]) cells.push_back(cell);
+        is_seen[cell.node] = true;
+    }
     std::ranges::sort(cells, {}, &Cell::key);
-    const auto same = [](const Cell& a, const Cell& b) { return a.key == b.key; };
-    cells.erase(std::unique(cells.begin(), cells.end(), same), cells.end());
     std::vector<Box> boxes;
     boxes.reserve(cells.size());
     for (const Cell& cell : cells) boxes.push_back(octree.box(cell));

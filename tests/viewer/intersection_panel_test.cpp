@@ -187,7 +187,8 @@ TEST(IntersectionPanel, StopsWhereItIsAskedTo)
         EXPECT_EQ(result.error().code, ErrorCode::cancelled);
     }
     EXPECT_EQ(stages,
-              (std::set<std::string>{"finding the intersection contour", "intersecting meshes"}));
+              (std::set<std::string>{"collecting triangles", "finding the intersection contour",
+                                     "intersecting meshes"}));
 }
 
 TEST(IntersectionPanel, ReportsTheDistanceOfMeshes)

@@ -112,9 +112,10 @@ Result<MeetingSpheres> meeting_spheres(const Execution& context)
     auto b = make_triangle_mesh(std::move(moved), {a.triangles().begin(), a.triangles().end()});
     if (!b) return tl::unexpected(b.error());
     auto leaves = intersecting_leaves(*octree, *octree, pose);
-    auto candidates = candidate_triangles(*octree, *octree, leaves);
-    return MeetingSpheres{std::move(a),      std::move(*b),        pose, *octree, *octree,
-                          std::move(leaves), std::move(candidates)};
+    auto candidates = candidate_triangles(*octree, *octree, leaves, context.progress);
+    if (!candidates) return tl::unexpected(candidates.error());
+    return MeetingSpheres{std::move(a),      std::move(*b),         pose, *octree, *octree,
+                          std::move(leaves), *std::move(candidates)};
 }
 
 Result<FigureContent> figure_5_4(const Execution& context)

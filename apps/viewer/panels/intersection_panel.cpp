@@ -220,7 +220,9 @@ public:
                 return is_cancelled(context.progress) ? Flow::stop : Flow::proceed;
             });
             if (is_cancelled(context.progress)) return cancelled("finding leaves that meet");
-            const auto candidates = candidate_triangles(**octree_a, **octree_b, leaves);
+            const auto candidates =
+                candidate_triangles(**octree_a, **octree_b, leaves, context.progress);
+            if (!candidates) return tl::unexpected(candidates.error());
             const auto found =
                 intersecting_pairs(a->rays, b->rays, std::span(&pose, 1), {.execution = context});
             if (!found) return tl::unexpected(found.error());
@@ -238,8 +240,8 @@ public:
             auto of_b = std::make_shared<DrawnScene>();
             const ShapeStyle yellow = {
                 .name = "triangles in leaves that meet", .color = srgb(part_color), .lift = 2e-4};
-            add_part(*of_a, a->mesh, candidates.a, yellow);
-            add_part(*of_b, b->mesh, candidates.b, yellow);
+            add_part(*of_a, a->mesh, candidates->a, yellow);
+            add_part(*of_b, b->mesh, candidates->b, yellow);
             const auto boxes_a = boxes_of_leaves(**octree_a, leaves, &LeafPair::a);
             const auto boxes_b = boxes_of_leaves(**octree_b, leaves, &LeafPair::b);
             if (settings.leaves) {
@@ -269,7 +271,7 @@ public:
                 {"pairs of leaves", fmt::format("{}", leaves.size())},
                 {"leaves", fmt::format("{} of A, {} of B", boxes_a.size(), boxes_b.size())},
                 {"triangles in them",
-                 fmt::format("{} of A, {} of B", candidates.a.size(), candidates.b.size())},
+                 fmt::format("{} of A, {} of B", candidates->a.size(), candidates->b.size())},
                 {"contour", fmt::format("{} lines, {} closed, {:.5g} long", contour.lines.size(),
                                         closed, contour.length())}};
             if (pairs.empty()) {

@@ -106,35 +106,50 @@ Result<LocalCone> cone_of_edge(const TriangleMesh& mesh, const Topology& topolog
     return cone_of(ConeShape::solid, std::move(corners), outward);
 }
 
-/// Whether no edge goes in a direction's half-space.
-bool is_normal(const Vec3& direction, std::span<const Vec3> edges)
-{
-    return std::ranges::all_of(edges,
-                               [&](const Vec3& edge) { return edge.dot(direction) <= 0.1 * flat; });
-}
+/// Compares directions, and counts how often.
+class Comparer {
+public:
+    /// Whether no edge goes in a direction's half-space.
+    [[nodiscard]] bool is_normal(const Vec3& direction, std::span<const Vec3> edges)
+    {
+        return std::ranges::all_of(edges, [&](const Vec3& edge) {
+            ++count_;
+            return edge.dot(direction) <= 0.1 * flat;
+        });
+    }
 
-bool has_near(std::span<const Vec3> directions, const Vec3& direction)
-{
-    return std::ranges::any_of(
-        directions, [&](const Vec3& other) { return (other - direction).norm() < flat; });
-}
+    [[nodiscard]] bool has_near(std::span<const Vec3> directions, const Vec3& direction)
+    {
+        return std::ranges::any_of(directions, [&](const Vec3& other) {
+            ++count_;
+            return (other - direction).norm() < flat;
+        });
+    }
 
-void add_once(std::vector<Vec3>& directions, const Vec3& direction)
-{
-    if (!has_near(directions, direction)) directions.push_back(direction);
-}
+    void add_once(std::vector<Vec3>& directions, const Vec3& direction)
+    {
+        if (!has_near(directions, direction)) directions.push_back(direction);
+    }
+
+    [[nodiscard]] std::uint64_t count() const noexcept { return count_; }
+
+private:
+    std::uint64_t count_ = 0;
+};
 
 /// Edges in the order in which they are asked whether a direction is normal: those that refused one
 /// lately are the first, for they refuse most others.
 class AskedEdges {
 public:
-    explicit AskedEdges(std::span<const Vec3> edges) : edges_(edges.begin(), edges.end()) {}
+    AskedEdges(std::span<const Vec3> edges, Comparer& comparer)
+        : edges_(edges.begin(), edges.end()), comparer_(comparer)
+    {}
 
     /// Whether one of the first `count` refuses the direction.
     [[nodiscard]] bool refuse(const Vec3& direction, std::size_t count)
     {
         for (std::size_t i = 0; i < std::min(count, edges_.size()); ++i) {
-            if (is_normal(direction, {&edges_[i], 1})) continue;
+            if (comparer_.is_normal(direction, {&edges_[i], 1})) continue;
             const auto first = edges_.begin();
             const auto at = first + static_cast<std::ptrdiff_t>(i);
             std::rotate(first, at, at + 1);
@@ -145,14 +160,15 @@ public:
 
 private:
     std::vector<Vec3> edges_;
+    Comparer& comparer_;
 };
 
 /// The cone's outermost directions: each is across two edges. Where two opposite ones are found all
 /// edges lie in the plane across them, and no more are sought.
-std::vector<Vec3> extreme_directions(std::span<const Vec3> edges)
+std::vector<Vec3> extreme_directions(std::span<const Vec3> edges, Comparer& comparer)
 {
     constexpr std::size_t few = 16;
-    AskedEdges asked(edges);
+    AskedEdges asked(edges, comparer);
     std::vector<Vec3> found;
     for (std::size_t i = 0; i < edges.size(); ++i) {
         for (std::size_t k = i + 1; k < edges.size(); ++k) {
@@ -160,7 +176,7 @@ std::vector<Vec3> extreme_directions(std::span<const Vec3> edges)
             if (across.norm() < flat) continue;
             int added = 0;
             for (const Vec3& direction : {Vec3(across.normalized()), Vec3(-across.normalized())}) {
-                if (asked.refuse(direction, few) || has_near(found, direction) ||
+                if (asked.refuse(direction, few) || comparer.has_near(found, direction) ||
                     asked.refuse(direction, edges.size()))
                     continue;
                 found.push_back(direction);
@@ -185,14 +201,14 @@ void sort_round(std::vector<Vec3>& directions)
 
 /// All edges lie in the plane across `up`, which is a direction of the cone as -up is.
 LocalCone cone_of_flat_fan(const Vec3& at, Vec3 up, std::span<const Vec3> edges,
-                           const Vec3& outward)
+                           const Vec3& outward, Comparer& comparer)
 {
     if (up.dot(outward) < 0.0) up = -up;
     std::vector<Vec3> sideways;
     for (const Vec3& edge : edges) {
         const Vec3 across = up.cross(edge).normalized();
         for (const Vec3& direction : {across, Vec3(-across)})
-            if (is_normal(direction, edges)) add_once(sideways, direction);
+            if (comparer.is_normal(direction, edges)) comparer.add_once(sideways, direction);
     }
     if (sideways.empty()) return cone_of(ConeShape::line, {{at, up}}, outward);
     if (sideways.size() == 1)
@@ -202,7 +218,7 @@ LocalCone cone_of_flat_fan(const Vec3& at, Vec3 up, std::span<const Vec3> edges,
 }
 
 Result<LocalCone> cone_of_vertex(const TriangleMesh& mesh, const Topology& topology,
-                                 VertexId vertex)
+                                 VertexId vertex, Comparer& comparer)
 {
     if (topology.triangles(vertex).empty()) {
         return fail(
@@ -226,9 +242,11 @@ Result<LocalCone> cone_of_vertex(const TriangleMesh& mesh, const Topology& topol
         const Vec3 along = mesh.position(topology.other_end(edge, vertex)) - at;
         if (along.squaredNorm() > 0.0) edges.push_back(along.stableNormalized());
     }
-    std::vector<Vec3> directions = extreme_directions(edges);
-    for (const Vec3& direction : directions)
-        if (is_normal(-direction, edges)) return cone_of_flat_fan(at, direction, edges, outward);
+    std::vector<Vec3> directions = extreme_directions(edges, comparer);
+    for (const Vec3& direction : directions) {
+        if (comparer.is_normal(-direction, edges))
+            return cone_of_flat_fan(at, direction, edges, outward, comparer);
+    }
     if (directions.empty()) return LocalCone{};
     if (directions.size() > 2) sort_round(directions);
     std::vector<ConeCorner> corners;
@@ -245,10 +263,14 @@ Result<LocalCone> cone_of_vertex(const TriangleMesh& mesh, const Topology& topol
 Result<LocalCone> local_cone(const TriangleMesh& mesh, const Topology& topology, Feature feature)
 {
     switch (feature.kind) {
-    case FeatureKind::vertex:
+    case FeatureKind::vertex: {
         if (feature.id >= mesh.vertex_count())
             return no_such_feature("vertex", feature.id, mesh.vertex_count());
-        return cone_of_vertex(mesh, topology, VertexId{feature.id});
+        Comparer comparer;
+        auto cone = cone_of_vertex(mesh, topology, VertexId{feature.id}, comparer);
+        if (cone) cone->comparisons = comparer.count();
+        return cone;
+    }
     case FeatureKind::edge:
         if (feature.id >= topology.edge_count())
             return no_such_feature("edge", feature.id, topology.edge_count());

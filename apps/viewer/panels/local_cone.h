@@ -43,6 +43,7 @@ struct LocalCone {
     ConeShape shape = ConeShape::empty;
     ConeSide side = ConeSide::outside;
     std::vector<ConeCorner> corners;
+    std::uint64_t comparisons = 0; ///< of directions with edges and directions: a vertex's work
 };
 
 /// The faces round the feature alone decide. The cone of a face is its outer side. Edges of one or

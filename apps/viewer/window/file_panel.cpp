@@ -37,6 +37,7 @@ bool is_folder(const fs::path& path)
 
 void FilePanel::open()
 {
+    if (!is_open_) is_typing_ = is_entered_ = false; // an Enter while it was closed is not meant
     is_open_ = true;
     wants_keys_ = true;
     std::error_code error;
@@ -65,22 +66,20 @@ std::optional<std::string> FilePanel::chosen(const std::string& typed)
 {
     const fs::path path = typed_path(typed, list_.folder);
     if (path.empty()) return std::nullopt;
+    if (is_sample_mesh_name(path.string())) return path.string(); // whatever files there are
     if (is_folder(path)) {
         go_to(path);
         path_.clear();
         return std::nullopt;
     }
-    if (!is_sample_mesh_name(path.string())) go_to(path.parent_path());
+    go_to(path.parent_path());
     return path.string();
 }
 
 std::optional<std::string> FilePanel::draw(float x, float y, float width, float height,
                                            std::vector<WidgetBounds>& widgets)
 {
-    if (!is_open_) {
-        is_typing_ = false;
-        return std::nullopt;
-    }
+    if (!is_open_) return std::nullopt;
     follow_list();
     ImGui::SetNextWindowPos(ImVec2(x, y));
     ImGui::SetNextWindowSize(ImVec2(width, height));

@@ -118,12 +118,17 @@ std::uint64_t EmittedLists::bytes() const noexcept
            arena.span().size_bytes();
 }
 
-double EmittedLists::part_of(double most_bytes) const noexcept
+double part_of_words(std::size_t arena_bytes, std::size_t runs) noexcept
 {
     constexpr double positions = 1.0 + proximity_word::max_position;
-    return std::max({static_cast<double>(bytes()) / most_bytes,
-                     static_cast<double>(arena.size()) / (positions * block_alignment),
-                     static_cast<double>(runs.size()) / positions});
+    return std::max(static_cast<double>(arena_bytes) / (positions * block_alignment),
+                    static_cast<double>(runs) / positions);
+}
+
+double EmittedLists::part_of(double most_bytes) const noexcept
+{
+    return std::max(static_cast<double>(bytes()) / most_bytes,
+                    part_of_words(arena.size(), runs.size()));
 }
 
 std::optional<double> emitted_bytes(std::span<const GrownTree> trees, const BlockSource& source,

@@ -14,6 +14,9 @@
 
 namespace proxima {
 
+/// Parts of the blocks or the runs that words can name, whichever is more.
+[[nodiscard]] double part_of_words(std::size_t arena_bytes, std::size_t runs) noexcept;
+
 /// The arrays of ProximityLists.
 struct EmittedLists {
     GrowBuffer<std::uint64_t> table;

@@ -13,7 +13,29 @@ std::uint32_t name(std::size_t position) noexcept
     return static_cast<std::uint32_t>(position) & proximity_word::max_position;
 }
 
+std::uint32_t position_of(std::size_t byte) noexcept
+{
+    return name(byte / block_alignment);
+}
+
+std::uint32_t block_at(const EmittedTree& tree, std::size_t first_byte,
+                       std::uint32_t number) noexcept
+{
+    return position_of(first_byte + tree.positions[number]);
+}
+
 } // namespace
+
+std::uint64_t moved_word(std::uint64_t word, const EmittedTree& tree,
+                         const TreePlace& place) noexcept
+{
+    if (word == proximity_word::search) return word;
+    if (!proximity_word::is_leaf(word)) return word + place.first_node;
+    const std::uint32_t position = proximity_word::position(word);
+    if (proximity_word::is_run(word)) return proximity_word::run(name(position + place.first_run));
+    return proximity_word::leaf(block_at(tree, place.first_byte, position),
+                                proximity_word::mask(word));
+}
 
 OctreeJoiner::OctreeJoiner(EmittedLists& octree, std::span<const EmittedTree> trees,
                            const RankBlocks& by_rank)
@@ -38,12 +60,7 @@ std::uint64_t OctreeJoiner::join(const EmittedTree& tree)
     const std::size_t first_run = octree_.runs.size();
     const std::size_t first_byte = aligned_end();
     const auto moved = [&](std::uint64_t word) {
-        if (word == proximity_word::search) return word;
-        if (!proximity_word::is_leaf(word)) return word + first_node;
-        const std::uint32_t position = proximity_word::position(word);
-        if (proximity_word::is_run(word)) return proximity_word::run(name(position + first_run));
-        return proximity_word::leaf(block_at(tree, first_byte, position),
-                                    proximity_word::mask(word));
+        return moved_word(word, tree, {first_node, first_run, first_byte});
     };
     octree_.nodes.resize(first_node + tree.nodes.size());
     for (std::size_t i = 0; i < tree.nodes.size(); ++i)
@@ -63,17 +80,6 @@ std::uint64_t OctreeJoiner::join(const EmittedTree& tree)
     }
     count(tree.statistics);
     return moved(tree.root);
-}
-
-std::uint32_t OctreeJoiner::block_at(const EmittedTree& tree, std::size_t first_byte,
-                                     std::uint32_t number)
-{
-    return position_of(first_byte + tree.positions[number]);
-}
-
-std::uint32_t OctreeJoiner::position_of(std::size_t byte)
-{
-    return name(byte / block_alignment);
 }
 
 std::uint32_t OctreeJoiner::block_by_rank(std::uint32_t block)

@@ -12,6 +12,18 @@
 
 namespace proxima {
 
+/// Where a tree's arrays begin within the octree's.
+struct TreePlace {
+    std::size_t first_node = 0;
+    std::size_t first_run = 0;
+    std::size_t first_byte = 0; ///< of the arena, a multiple of block_alignment
+};
+
+/// A word of the tree as the octree has it; a wrong one of the same kind where the place is beyond
+/// what words can name.
+[[nodiscard]] std::uint64_t moved_word(std::uint64_t word, const EmittedTree& tree,
+                                       const TreePlace& place) noexcept;
+
 /// Joins trees into one.
 class OctreeJoiner {
 public:
@@ -26,10 +38,6 @@ public:
 private:
     static constexpr std::size_t usual_block_bytes = 384;
 
-    static std::uint32_t block_at(const EmittedTree& tree, std::size_t first_byte,
-                                  std::uint32_t number);
-
-    static std::uint32_t position_of(std::size_t byte);
     /// Written when it is first met.
     std::uint32_t block_by_rank(std::uint32_t block);
 

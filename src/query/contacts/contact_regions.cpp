@@ -34,12 +34,12 @@ constexpr double parallel_faces = 1 - 1e-6; ///< of normals' product: in one pla
 class RegionMaker {
 public:
     RegionMaker(const Solid& a, const Solid& b, const RigidTransform& pose_b,
-                const IntersectionContour& contour, const Progress* progress)
+                const IntersectionContour& contour, Progress* progress)
         : a_(a.parts()), b_(b.parts()), pose_(pose_b), lines_(a.parts(), b.parts(), pose_b),
           contour_(contour), progress_(progress)
     {}
 
-    /// Of no use where the progress asks to stop.
+    /// One step of the stage. Of no use where the progress asks to stop.
     ContactRegion make(std::span<const std::size_t> numbers)
     {
         ContactRegion region;
@@ -53,6 +53,7 @@ public:
         region.normal = normal_of(area, sums);
         straighten(region);
         add_points(region, numbers);
+        advance_stage(progress_, 1);
         return sums.is_flush ? least_deep(region, numbers) : region;
     }
 
@@ -336,7 +337,7 @@ private:
     RigidTransform pose_;
     ContactLines lines_;
     const IntersectionContour& contour_;
-    const Progress* progress_;
+    Progress* progress_;
     std::optional<MeetingTriangles> meeting_a_; ///< where some faces are flush
     std::optional<MeetingTriangles> meeting_b_;
 };
@@ -392,7 +393,7 @@ Result<ContactRegions> contact_regions(const Solid& a, const Solid& b, const Rig
     found.contour = std::move(*contour);
     RegionMaker maker(a, b, pose_b, found.contour, progress);
     const auto joined = joined_lines(found.contour);
-    begin_stage(progress, "measuring contact regions", joined.size());
+    begin_stage(progress, "measuring contact regions", 2 * joined.size());
     for (const auto& numbers : joined) {
         if (is_cancelled(progress)) return stopped();
         ContactRegion region = maker.make(numbers);

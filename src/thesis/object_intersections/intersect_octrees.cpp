@@ -1,6 +1,8 @@
 #include "thesis/object_intersections/intersect_octrees.h"
 
-#include <algorithm>
+#include "base/progress.h"
+
+#include <cstdint>
 
 namespace proxima {
 
@@ -15,28 +17,32 @@ std::vector<LeafPair> intersecting_leaves(const Octree& a, const Octree& b,
     return pairs;
 }
 
-CandidateTriangles candidate_triangles(const Octree& a, const Octree& b,
-                                       const std::vector<LeafPair>& pairs)
+Result<CandidateTriangles> candidate_triangles(const Octree& a, const Octree& b,
+                                               const std::vector<LeafPair>& pairs,
+                                               Progress* progress)
 {
-    const auto collect = [&](const Octree& octree, Cell LeafPair::*side) {
-        std::vector<Cell> leaves;
-        leaves.reserve(pairs.size());
-        for (const LeafPair& pair : pairs) leaves.push_back(pair.*side);
-        std::ranges::sort(leaves, {}, &Cell::node);
-        const auto are_same = [](const Cell& one, const Cell& other) {
-            return one.node == other.node;
-        };
-        leaves.erase(std::unique(leaves.begin(), leaves.end(), are_same), leaves.end());
-        std::vector<TriangleId> triangles;
-        for (const Cell& leaf : leaves) {
-            const auto list = octree.triangles(leaf);
-            triangles.insert(triangles.end(), list.begin(), list.end());
+    StageSteps steps(progress, "collecting triangles", 2 * std::uint64_t{pairs.size()});
+    // False where the work shall stop.
+    const auto collect = [&](const Octree& octree, Cell LeafPair::*side,
+                             std::vector<TriangleId>& triangles) {
+        std::vector<bool> is_seen(octree.nodes().size());
+        std::vector<bool> is_in(octree.triangle_count());
+        for (const LeafPair& pair : pairs) {
+            if (!steps.done(1)) return false;
+            const Cell& leaf = pair.*side;
+            if (is_seen[leaf.node]) continue;
+            is_seen[leaf.node] = true;
+            for (const TriangleId id : octree.triangles(leaf)) is_in[to_index(id)] = true;
         }
-        std::ranges::sort(triangles);
-        triangles.erase(std::unique(triangles.begin(), triangles.end()), triangles.end());
-        return triangles;
+        for (std::uint32_t i = 0; i < is_in.size(); ++i)
+            if (is_in[i]) triangles.push_back(TriangleId{i});
+        return true;
     };
-    return {collect(a, &LeafPair::a), collect(b, &LeafPair::b)};
+    CandidateTriangles candidates;
+    if (!collect(a, &LeafPair::a, candidates.a) || !collect(b, &LeafPair::b, candidates.b))
+        return cancelled("collecting triangles");
+    steps.finish();
+    return candidates;
 }
 
 } // namespace proxima

@@ -9,8 +9,10 @@
 #pragma once
 
 #include "base/fixed_stack.h"
+#include "proxima/execution.h"
 #include "proxima/geometry.h"
 #include "proxima/octree.h"
+#include "proxima/result.h"
 #include "thesis/object_intersections/cell_pair_axes.h"
 
 #include <cstdint>
@@ -89,7 +91,9 @@ struct CandidateTriangles {
     std::vector<TriangleId> a;
     std::vector<TriangleId> b;
 };
-[[nodiscard]] CandidateTriangles candidate_triangles(const Octree& a, const Octree& b,
-                                                     const std::vector<LeafPair>& pairs);
+/// One thread; stage "collecting triangles". Error: cancelled.
+[[nodiscard]] Result<CandidateTriangles> candidate_triangles(const Octree& a, const Octree& b,
+                                                             const std::vector<LeafPair>& pairs,
+                                                             Progress* progress = nullptr);
 
 } // namespace proxima

@@ -4,6 +4,7 @@
 #include "proxima/minkowski_sum.h"
 #include "proxima/sample_meshes.h"
 #include "proxima/signed_distance.h"
+#include "query/contact/find_pairs.h"
 #include "query/contacts/random_motions.h"
 #include "query/contacts/solid_shapes.h"
 
@@ -15,7 +16,6 @@
 #include <numbers>
 #include <random>
 #include <string_view>
-#include <thread>
 #include <vector>
 
 namespace proxima::contact_regions_test {
@@ -337,24 +337,29 @@ TEST(ContactRegions, AreCancelledAtEveryStage)
 
 TEST(ContactRegions, AreCancelledWithinARegion)
 {
-    // Flush slices that cross: most of the region's time goes into their pairs of triangles.
+    // Flush slices that cross: most of the region's work goes into their pairs of triangles.
     const Solid a = solid_of(sliced_box({Vec3(-1, -1, -1), Vec3(1, 1, 0)}, 60));
     const Solid b = solid_of(sliced_box({Vec3(-0.9, -0.8, 0), Vec3(0.9, 0.8, 1)}, 60));
     RigidTransform pose;
     pose.rotation << 0, -1, 0, 1, 0, 0, 0, 0, 1;
-    bool was_cancelled = false;
-    constexpr int most_runs = 20; // the other thread may come too late
-    for (int run = 0; run < most_runs && !was_cancelled; ++run) {
+    // Cancelled at each report; within the region is the one at half of the stage.
+    bool was_within = false;
+    bool is_done = false;
+    for (std::uint64_t reports = 1; !is_done; ++reports) {
         Progress progress;
-        std::thread other([&] {
-            while (std::string_view(progress.stage()) != "measuring contact regions")
-                std::this_thread::yield();
-            progress.cancel();
-        });
-        was_cancelled = !contact_regions(a, b, pose, {.execution = {.progress = &progress}});
-        other.join();
+        progress.cancel_after(reports);
+        is_done = contact_regions(a, b, pose, {.execution = {.progress = &progress}}).has_value();
+        if (progress.fraction() != 0.5 ||
+            progress.stage() != std::string_view("measuring contact regions"))
+            continue;
+        EXPECT_FALSE(is_done);
+        was_within = true;
     }
-    EXPECT_TRUE(was_cancelled);
+    EXPECT_TRUE(was_within);
+    Progress stopped;
+    stopped.cancel();
+    const std::size_t all = find_pairs(a.index(), b.index(), pose, nullptr).size();
+    EXPECT_LT(10 * find_pairs(a.index(), b.index(), pose, &stopped).size(), all);
 }
 
 TEST(ContactRegions, OfTwoBallsAreTheLens)

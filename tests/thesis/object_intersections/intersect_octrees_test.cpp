@@ -1,5 +1,6 @@
 #include "thesis/object_intersections/intersect_octrees.h"
 
+#include "cancellation.h"
 #include "counted_allocations.h"
 #include "geometry/triangle_contact.h"
 #include "octree/nasty_meshes.h"
@@ -235,7 +236,7 @@ TEST(IntersectOctrees, ListsAllTrianglesThatMeet)
     const Octree octree = octree_of(sphere, 5);
     const RigidTransform pose = {Mat3::Identity(), Vec3(1, 0, 0)};
     const CandidateTriangles candidates =
-        candidate_triangles(octree, octree, intersecting_leaves(octree, octree, pose));
+        candidate_triangles(octree, octree, intersecting_leaves(octree, octree, pose)).value();
     EXPECT_TRUE(std::ranges::is_sorted(candidates.a));
     EXPECT_EQ(std::ranges::adjacent_find(candidates.a), candidates.a.end());
     EXPECT_GT(candidates.a.size(), 50U);
@@ -262,6 +263,15 @@ TEST(IntersectOctrees, ListsAllTrianglesThatMeet)
         }
     }
     EXPECT_GT(meeting, 50U);
+}
+
+TEST(IntersectOctrees, ListingTrianglesIsCancelledAtEveryReport)
+{
+    const Octree octree = octree_of(make_sphere(60, 60), 6);
+    const std::vector<LeafPair> pairs = intersecting_leaves(octree, octree);
+    cancel_at_every_stage(
+        [&](Progress& progress) { return candidate_triangles(octree, octree, pairs, &progress); },
+        [] { return true; }, 3);
 }
 
 } // namespace

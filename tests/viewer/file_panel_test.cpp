@@ -1,0 +1,101 @@
+// The panel that opens models, drawn by ImGui without a window.
+#include "viewer/window/file_panel.h"
+
+#include "folder_test.h"
+
+#include <imgui.h>
+
+namespace proxima::file_panel_test {
+namespace {
+
+class FilePanelTest : public FolderTest {
+protected:
+    void SetUp() override
+    {
+        FolderTest::SetUp();
+        before_ = std::filesystem::current_path();
+        std::filesystem::current_path(folder());
+        ImGui::CreateContext();
+        ImGuiIO& io = ImGui::GetIO();
+        io.IniFilename = nullptr;
+        io.DisplaySize = {800, 600};
+        unsigned char* pixels = nullptr;
+        int width = 0;
+        int height = 0;
+        io.Fonts->GetTexDataAsAlpha8(&pixels, &width, &height);
+    }
+    void TearDown() override
+    {
+        ImGui::DestroyContext();
+        std::filesystem::current_path(before_);
+        FolderTest::TearDown();
+    }
+
+    /// One frame: what is to be opened.
+    std::optional<std::string> draw()
+    {
+        ImGui::NewFrame();
+        std::vector<WidgetBounds> widgets;
+        auto chosen = panel.draw(0, 0, 500, 500, widgets);
+        ImGui::Render();
+        return chosen;
+    }
+
+    /// Opens the panel and types into its field.
+    void type(const char* text)
+    {
+        panel.open();
+        for (int frame = 0; frame < 3; ++frame) EXPECT_EQ(draw(), std::nullopt);
+        ImGui::GetIO().AddInputCharactersUTF8(text);
+        for (int frame = 0; frame < 3; ++frame) EXPECT_EQ(draw(), std::nullopt);
+    }
+
+    FilePanel panel{[] {}};
+
+private:
+    std::filesystem::path before_;
+};
+
+TEST_F(FilePanelTest, OpensABuiltInWhateverFoldersThereAre)
+{
+    std::filesystem::create_directory("cube");
+    type("cube");
+    panel.enter();
+    EXPECT_EQ(draw(), "cube");
+}
+
+TEST_F(FilePanelTest, EntersAFolderAndOpensAFile)
+{
+    std::filesystem::create_directory("cubes");
+    type("cubes");
+    panel.enter();
+    EXPECT_EQ(draw(), std::nullopt);
+    panel.close();
+    EXPECT_EQ(draw(), std::nullopt);
+    type((path("cubes") / "a.obj").c_str());
+    panel.enter();
+    EXPECT_EQ(draw(), (path("cubes") / "a.obj").string());
+}
+
+TEST_F(FilePanelTest, ForgetsAnEnterAsItCloses)
+{
+    for (const bool is_drawn_closed : {false, true}) {
+        type("a.obj");
+        panel.enter();
+        panel.close();
+        if (is_drawn_closed) {
+            EXPECT_EQ(draw(), std::nullopt);
+        }
+        panel.open();
+        EXPECT_EQ(draw(), std::nullopt) << is_drawn_closed;
+        panel.close();
+        panel.enter();
+        panel.open();
+        EXPECT_EQ(draw(), std::nullopt) << "of a panel that is closed";
+        panel.close();
+        EXPECT_EQ(draw(), std::nullopt);
+    }
+}
+
+} // namespace
+} // namespace proxima::file_panel_test
