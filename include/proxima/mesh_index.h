@@ -150,8 +150,8 @@ struct RefitOptions {
 /// and queries slower the farther neighbours moved apart: build again when they are too slow. Keeps
 /// no reference to mesh and topology; shares arrays of lists with `index`, which stays as it was.
 /// Errors: invalid_argument (other triangles or topology; a vertex left the root of the lists: build
-/// again), invalid_mesh (NaN), cancelled. About 1 us per triangle, with lists 2 us, and 5 us per
-/// leaf near triangles that moved.
+/// again), invalid_mesh (NaN), cancelled. About 1 us per triangle, with lists 2 us, and 2 to
+/// 15 us per leaf that loses its list.
 [[nodiscard]] Result<MeshIndex> refit_index(const MeshIndex& index, const TriangleMesh& mesh,
                                             const Topology& topology,
                                             const RefitOptions& options = {});

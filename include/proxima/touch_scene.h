@@ -234,12 +234,12 @@ inline constexpr unsigned scene_triangle_bits = 26;
     return TriangleId{to_index(scene_triangle) & ((1U << scene_triangle_bits) - 1)};
 }
 
-/// The motion of an object: to a pose within a time, and from there on at a velocity. Servo loops
-/// move its origin evenly along a straight line and turn it evenly about one axis.
+/// The motion of an object: to a pose within a time, and from there on at a velocity. Servo loops move
+/// its origin evenly along a straight line and turn it evenly about one axis: a mesh far from its own
+/// origin swings aside between two poses that turn it, so centre its vertices first.
 ///
-/// An application that updates poses at 50 Hz sets `seconds` to 0.02: the object lags by a period
-/// and never jumps. One that knows velocities gives them, and the object coasts on until the next
-/// message.
+/// An application that updates poses at 50 Hz sets `seconds` to 0.02: the object lags by a period and
+/// never jumps. One that knows velocities gives them, and it coasts on until the next message.
 struct ObjectMotion {
     RigidTransform pose = {};     ///< where it will be
     double seconds = 0;           ///< until it has that pose; 0 = at once, for the next tick

@@ -184,7 +184,9 @@ bounds, a pose that is not rigid, and numbers out of range.)")
         .def("move", &move_object, py::arg("object"), py::arg("pose"), py::kw_only(),
              py::arg("seconds") = 0.0, py::arg("velocity") = zero, py::arg("spin") = zero,
              py::arg("coast_seconds") = 0.0,
-             R"(Moves an object to a pose (3, 4) or (4, 4) within a time; 0 is at once.
+             R"(Moves an object to a pose (3, 4) or (4, 4) within a time; 0 is at once. Its
+origin goes straight, and it turns evenly about one axis: centre the vertices of a mesh that is far
+from its origin, or it swings aside.
 
     velocity       (3,) floats per second: of its origin from then on, for coast_seconds
     spin           (3,) floats, radians per second about the scene's axes, at most 1e4 each, likewise

@@ -66,6 +66,21 @@ TEST(ObjectTrajectory, MovesEvenlyAndArrives)
     EXPECT_FALSE(course.moved()); // it stands there
 }
 
+TEST(ObjectTrajectory, ItsPivotGoesStraight)
+{
+    const RigidTransform begin = turned(0.3, Vec3(1, 2, 3), Vec3(1, 0, 0));
+    const RigidTransform goal = turned(-0.9, Vec3(2, -1, 1), Vec3(2, 3, -1));
+    const Vec3 pivot(5, -7, 3);
+    const ObjectCourse course = ObjectCourse(begin).continued({goal, 0.02}, 0, pivot);
+    const Vec3 first = begin(pivot);
+    for (int tick = 0; tick <= 20; ++tick) {
+        const RigidTransform now = course.pose_at(tick * tick_time);
+        const Vec3 at = first + tick / 20.0 * (goal(pivot) - first);
+        EXPECT_LT((now(pivot) - at).norm(), 1e-13) << tick;
+    }
+    EXPECT_EQ(course.pose_at(20 * tick_time).translation, goal.translation);
+}
+
 TEST(ObjectTrajectory, CoastsForItsCoastingTime)
 {
     Follower course(RigidTransform{});

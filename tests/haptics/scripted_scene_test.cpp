@@ -125,6 +125,53 @@ TEST(ScriptedScene, KeepsItsObjectsWithinItsReach)
     }
 }
 
+TriangleMesh cube_at(const Vec3& place, double size)
+{
+    return moved(*sample_mesh("cube"), [&](const Vec3& p) { return Vec3(size * p + place); });
+}
+
+std::unique_ptr<ScriptedScene> scene_of(const TriangleMesh& mesh, const ScriptedObject& object)
+{
+    const std::vector<TouchBody> bodies = {body_of(mesh)};
+    const std::vector<ScriptedObject> objects = {object};
+    return std::move(*ScriptedScene::make(bodies, objects));
+}
+
+// A house in coordinates of a map.
+TEST(ScriptedScene, TurnsModelsFarFromTheirOriginAboutTheirMiddle)
+{
+    const TriangleMesh mesh = cube_at(Vec3(452000, 5403000, 50), 20);
+    const Vec3 middle = bounding_box(mesh).center();
+    for (const ObjectScript& script : some_scripts()) {
+        if (script.kind == ObjectMotionKind::swing) continue;
+        const auto scripted = scene_of(mesh, object_at({}, script));
+        for (std::uint64_t tick = 0; tick < 200; ++tick) {
+            scripted->send_motions(tick, tick_seconds);
+            (void)scripted->scene().advance(tick_seconds);
+            const Vec3 at = scripted->scene().pose(ObjectId{0})(middle);
+            ASSERT_LT((at - middle).norm(), 1e-7) << static_cast<int>(script.kind) << ' ' << tick;
+        }
+    }
+}
+
+// Poses round by more than the bounds' own coordinates tell.
+TEST(ScriptedScene, MovesModelsHoweverFarFromTheirOrigin)
+{
+    for (const double far : {1e11, 1e13, 1e15}) {
+        const Vec3 place(far, -far / 3, far / 7);
+        const TriangleMesh mesh = cube_at(place, 1);
+        for (const ObjectScript& script : some_scripts()) {
+            const auto scripted = scene_of(mesh, object_at(at_place(-place), script));
+            for (std::uint64_t tick = 0; tick < 1000; ++tick) {
+                scripted->send_motions(tick, tick_seconds);
+                (void)scripted->scene().advance(tick_seconds);
+            }
+            scripted->rewind();
+            EXPECT_EQ(scripted->scene().pose(ObjectId{0}).translation, Vec3(-place));
+        }
+    }
+}
+
 std::unique_ptr<ScriptedScene> moving_scene(BodySearch search = BodySearch::index)
 {
     std::vector<TouchBody> bodies;
@@ -222,6 +269,29 @@ TEST(QualityMeter, CountsPassesWhileObjectsMove)
     }
     EXPECT_GE(meter.report().passes, 1U); // both skins, perhaps in one tick
     EXPECT_LE(meter.report().passes, 2U);
+}
+
+// 5 cm in coordinates whose origin is the middle of the earth, brought to that of the scene.
+TEST(QualityMeter, CountsNoPassesThroughAModelFarFromItsOrigin)
+{
+    const Vec3 place(4201000, 172000, 4780000);
+    const TriangleMesh mesh = cube_at(place, 0.05);
+    const TriangleMesh near =
+        moved(mesh, [&](const Vec3& p) { return Vec3(p - place); }); // as rounded
+    const auto scripted = scene_of(mesh, object_at(at_place(-place)));
+    const WorkspaceMap map;
+    HapticRenderer renderer =
+        make_haptic_renderer(scripted->scene(), map, *find_device("omni")).value();
+    QualityMeter meter(scripted->scene(), map);
+    HandPath path(near, 4);
+    for (std::uint64_t tick = 0; tick < feeling_ticks; ++tick) {
+        DeviceState state;
+        state.pose.translation = map.to_device(path.next());
+        const RenderTick& felt = renderer.tick(state, tick_seconds);
+        meter.add(felt, state.velocity, renderer.path());
+    }
+    EXPECT_GT(meter.report().touching_ticks, 100U);
+    EXPECT_EQ(meter.report().passes, 0U);
 }
 
 TEST(Recording, StoresAScene)

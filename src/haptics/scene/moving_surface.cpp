@@ -49,7 +49,6 @@ MovingSurface::MovingSurface(SceneInput& input, std::size_t tool)
     scale_.extent = bounds.extent().maxCoeff();
     scale_.reach = std::max(bounds.lower.cwiseAbs().maxCoeff(), bounds.upper.cwiseAbs().maxCoeff());
     scale_.mean_edge = scale_.extent;
-    rounding_ = frame_rounding * scale_.reach;
     start();
     try {
         for (std::uint32_t i = 0; i < input.object_count(); ++i) add(ObjectId{i});
@@ -92,6 +91,9 @@ void MovingSurface::add(ObjectId id)
         slot->part = part_of(shape, clock_.now());
         slot->shape.set(shape.change->parts(), slot->part);
     }
+    // Positions are rounded in the object's frame, too.
+    scale_.reach = std::max(scale_.reach, slot->surface().scale().reach);
+    rounding_ = frame_rounding * scale_.reach;
     objects_.push_back(std::move(slot));
     measure();
     edition_ = new_edition();

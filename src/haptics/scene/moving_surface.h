@@ -179,7 +179,7 @@ private:
     std::size_t tool_;
     ToolClock clock_;
     SurfaceScale scale_;
-    double rounding_ = 0; ///< of the bounds' part of that
+    double rounding_ = 0; ///< of the part of that which is due to the scale's reach
     double tick_seconds_ = 1e-3;
     std::uint64_t edition_ = new_edition();
     std::vector<std::unique_ptr<Slot>> objects_;

@@ -111,13 +111,9 @@ Box swept_bounds(const ObjectScript& script, const RigidTransform& begin,
         }
         reach.extend(begin(p));
     }
-    const double turn = fastest_of(script);
-    if (turn > 0) {
-        // Between updates the origin moves straight, and so far the middle leaves its position.
+    if (fastest_of(script) > 0) {
         const Vec3 center = begin(bounds.center());
-        const double aside = (begin.translation - center).norm();
-        const double off = aside * (1 - std::cos(turn * seconds_per_update / 2));
-        const double size = bounds.extent().norm() / 2 + off;
+        const double size = bounds.extent().norm() / 2;
         reach.extend(center - Vec3::Constant(size));
         reach.extend(center + Vec3::Constant(size));
     }

@@ -38,7 +38,8 @@ inline constexpr double fastest_turn = 25;
 [[nodiscard]] RigidTransform pose_at(const ObjectScript& script, const RigidTransform& begin,
                                      const Vec3& middle, double seconds) noexcept;
 
-/// A box that the object never leaves, also where it moves evenly from one update to the next.
+/// A box that the object never leaves but by rounding, also where it moves evenly from one update to the
+/// next with its middle as the pivot (object_trajectory.h).
 /// \pre check_script holds
 [[nodiscard]] Box swept_bounds(const ObjectScript& script, const RigidTransform& begin,
                                const Box& bounds) noexcept;

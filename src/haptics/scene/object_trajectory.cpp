@@ -32,12 +32,14 @@ ObjectCourse::ObjectCourse(const RigidTransform& pose) noexcept : from_(orthonor
     motion_.pose = from_;
 }
 
-ObjectCourse ObjectCourse::continued(const ObjectMotion& motion, SceneTime start) const noexcept
+ObjectCourse ObjectCourse::continued(const ObjectMotion& motion, SceneTime start,
+                                     const Vec3& pivot) const noexcept
 {
     ObjectCourse next;
     next.motion_ = motion;
     next.motion_.pose = orthonormalized(motion.pose);
     next.from_ = pose_at(start);
+    next.pivot_ = pivot;
     const Eigen::AngleAxisd turn(
         Mat3(next.motion_.pose.rotation * next.from_.rotation.transpose()));
     next.turn_ = turn.angle() * turn.axis();
@@ -51,8 +53,9 @@ RigidTransform ObjectCourse::pose_at(SceneTime time) const noexcept
     const double passed = seconds_between(start_, time);
     if (passed < arrival()) {
         const double part = passed / motion_.seconds;
-        return {turned(turn_, part) * from_.rotation,
-                from_.translation + part * (motion_.pose.translation - from_.translation)};
+        const Mat3 rotation = turned(turn_, part) * from_.rotation;
+        const Vec3 begin = from_(pivot_);
+        return {rotation, begin + part * (motion_.pose(pivot_) - begin) - rotation * pivot_};
     }
     const double since = std::max(passed - motion_.seconds, 0.0);
     return coasted(motion_, std::min(since, motion_.coast_seconds));

@@ -1,7 +1,10 @@
 // The trajectory of an object of a scene to the pose that the application gave (ObjectMotion).
 //
 //     application   now and then        a pose, the time until then, and the velocity after it
-//     servo loops   every millisecond   a pose in between: straight, turning evenly about one axis
+//     servo loops   every millisecond   a pose in between: a pivot goes straight, and the object turns
+//                                       evenly about an axis through it
+//
+// The pivot is the object's origin, or for scripts (object_script.h) its middle.
 //
 // A motion begins where the one before it was at that time. So its poses depend on the scene's time
 // alone, and all tools compute the same ones.
@@ -26,9 +29,10 @@ public:
     /// At rest, with its rotation made orthonormal to rounding. \pre it is rigid to rigid_tolerance
     explicit ObjectCourse(const RigidTransform& pose) noexcept;
 
-    /// The course that leaves this one at a time. \pre the motion's pose is rigid to rigid_tolerance
-    [[nodiscard]] ObjectCourse continued(const ObjectMotion& motion,
-                                         SceneTime start) const noexcept;
+    /// The course that leaves this one at a time. The pivot, a point of the object's frame, goes straight
+    /// to where the pose has it. \pre the motion's pose is rigid to rigid_tolerance
+    [[nodiscard]] ObjectCourse continued(const ObjectMotion& motion, SceneTime start,
+                                         const Vec3& pivot = Vec3::Zero()) const noexcept;
 
     /// 0.2 us.
     [[nodiscard]] RigidTransform pose_at(SceneTime time) const noexcept;
@@ -47,6 +51,7 @@ private:
 
     ObjectMotion motion_;
     RigidTransform from_;
+    Vec3 pivot_ = Vec3::Zero();
     Vec3 turn_ = Vec3::Zero(); ///< rotation from `from_` to the pose: axis times angle
     SceneTime start_ = 0;
 };

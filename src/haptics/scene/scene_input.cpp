@@ -140,14 +140,14 @@ const char* SceneInput::motion_problem(ObjectId id, const ObjectMotion& motion) 
     return nullptr;
 }
 
-Status SceneInput::move(ObjectId id, const ObjectMotion& motion)
+Status SceneInput::move(ObjectId id, const ObjectMotion& motion, const Vec3& pivot)
 {
     const auto found = find(id);
     if (!found) return tl::unexpected(found.error());
     Object& object = **found;
     if (const char* const problem = motion_problem(id, motion))
         return fail(ErrorCode::invalid_argument, problem);
-    object.course = object.course.continued(motion, clock_.now());
+    object.course = object.course.continued(motion, clock_.now(), pivot);
     for (Snapshot<ObjectCourse>& courses : object.courses) {
         courses.writing() = object.course;
         courses.publish();

@@ -55,7 +55,9 @@ public:
     explicit SceneInput(const Box& bounds);
     [[nodiscard]] Result<ObjectId> add(std::shared_ptr<const ContactBody> body,
                                        const RigidTransform& pose);
-    [[nodiscard]] Status move(ObjectId object, const ObjectMotion& motion);
+    /// The pivot, a point of the object's frame, goes straight to where the motion's pose has it.
+    [[nodiscard]] Status move(ObjectId object, const ObjectMotion& motion,
+                              const Vec3& pivot = Vec3::Zero());
     [[nodiscard]] Status exchange(ObjectId object, std::shared_ptr<const ContactBody> body);
     [[nodiscard]] Status change_shape(ObjectId object, std::shared_ptr<const ContactBody> body,
                                       double seconds);

@@ -17,12 +17,18 @@ constexpr double bounds_margin = 1e-6;
 /// The farthest coordinate: squares and products of distances must be finite.
 constexpr double farthest_reach = 1e100;
 
-Box bounds_about(const Box& bounds, double room)
+/// More than the rounding of a pose's corners, in parts of its coordinates and those of the mesh.
+constexpr double pose_rounding = 0x1p-46;
+
+/// `farthest` is the largest coordinate of meshes in their own frames and of poses.
+Box bounds_about(const Box& bounds, double room, double farthest)
 {
     const Vec3 beyond = Vec3::Constant(room * bounds.extent().norm());
     const Box reach = {bounds.lower - beyond, bounds.upper + beyond};
-    const double margin = bounds_margin * std::max({reach.lower.cwiseAbs().maxCoeff(),
-                                                    reach.upper.cwiseAbs().maxCoeff(), 1e-300});
+    const double margin =
+        std::max(bounds_margin * std::max({reach.lower.cwiseAbs().maxCoeff(),
+                                           reach.upper.cwiseAbs().maxCoeff(), 1e-300}),
+                 pose_rounding * farthest);
     return {reach.lower - Vec3::Constant(margin), reach.upper + Vec3::Constant(margin)};
 }
 
@@ -34,9 +40,9 @@ std::uint64_t ticks_per_update(double tick_seconds) noexcept
 
 } // namespace
 
-ScriptedScene::ScriptedScene(const Box& bounds, double room,
+ScriptedScene::ScriptedScene(const Box& bounds, const Box& scene_bounds,
                              std::span<const ScriptedObject> objects)
-    : bounds_(bounds), scene_(bounds_about(bounds, room)), objects_(objects.begin(), objects.end())
+    : bounds_(bounds), scene_(scene_bounds), objects_(objects.begin(), objects.end())
 {}
 
 Result<std::unique_ptr<ScriptedScene>> ScriptedScene::make(std::span<const TouchBody> bodies,
@@ -47,23 +53,28 @@ Result<std::unique_ptr<ScriptedScene>> ScriptedScene::make(std::span<const Touch
     PROXIMA_CHECK_EQ(bodies.size(), objects.size());
     PROXIMA_CHECK(!bodies.empty());
     Box reach;
+    double farthest = 0;
     for (std::size_t i = 0; i < bodies.size(); ++i) {
         const ScriptedObject& object = objects[i];
         if (Status status = check_script(object.script); !status)
             return tl::unexpected(status.error());
-        const Box box = swept_bounds(object.script, object.pose, contact_body(bodies[i]).bounds());
+        const Box& local = contact_body(bodies[i]).bounds();
+        const Box box = swept_bounds(object.script, object.pose, local);
         reach.extend(box.lower);
         reach.extend(box.upper);
+        farthest = std::max({farthest, local.lower.cwiseAbs().maxCoeff(),
+                             local.upper.cwiseAbs().maxCoeff(),
+                             object.pose.translation.cwiseAbs().maxCoeff()});
     }
-    const double farthest =
-        std::max(reach.lower.cwiseAbs().maxCoeff(), reach.upper.cwiseAbs().maxCoeff()) +
-        room * reach.extent().norm();
+    const Box bounds = bounds_about(reach, room, farthest);
+    farthest = std::max(
+        {farthest, bounds.lower.cwiseAbs().maxCoeff(), bounds.upper.cwiseAbs().maxCoeff()});
     if (!(farthest <= farthest_reach)) {
         return fail(
             ErrorCode::invalid_argument,
             "an object is or moves too far from the origin: coordinates must be at most 1e100");
     }
-    std::unique_ptr<ScriptedScene> scripted(new ScriptedScene(reach, room, objects));
+    std::unique_ptr<ScriptedScene> scripted(new ScriptedScene(reach, bounds, objects));
     for (std::size_t i = 0; i < bodies.size(); ++i) {
         const auto added = scripted->scene_.add(bodies[i], objects[i].pose);
         if (!added) return tl::unexpected(added.error());
@@ -80,9 +91,12 @@ void ScriptedScene::send_motions(std::uint64_t tick, double tick_seconds) noexce
         const ScriptedObject& object = objects_[i];
         if (object.script.kind == ObjectMotionKind::rest) continue;
         const Vec3 middle = moving_surface(scene_).object(ObjectId{i}).body->bounds().center();
-        const Status status =
-            scene_.move(ObjectId{i}, {.pose = pose_at(object.script, object.pose, middle, there),
-                                      .seconds = static_cast<double>(ticks) * tick_seconds});
+        const bool turns = object.script.kind != ObjectMotionKind::swing;
+        const Status status = scene_views(scene_).input().move(
+            ObjectId{i},
+            {.pose = pose_at(object.script, object.pose, middle, there),
+             .seconds = static_cast<double>(ticks) * tick_seconds},
+            turns ? middle : Vec3(Vec3::Zero()));
         PROXIMA_CHECK(status.has_value()); // scripts stay within the bounds
     }
 }

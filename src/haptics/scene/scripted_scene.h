@@ -46,7 +46,7 @@ public:
     [[nodiscard]] const TouchScene& scene() const noexcept { return scene_; }
     [[nodiscard]] std::span<const ScriptedObject> objects() const noexcept { return objects_; }
 
-    /// No object ever leaves it by its script.
+    /// No object ever leaves it by its script, but by rounding.
     [[nodiscard]] const Box& bounds() const noexcept { return bounds_; }
 
     /// Sends the motions that are due before a tick, counted from 0. noexcept, no allocation.
@@ -57,7 +57,8 @@ public:
     void rewind() noexcept;
 
 private:
-    ScriptedScene(const Box& bounds, double room, std::span<const ScriptedObject> objects);
+    ScriptedScene(const Box& bounds, const Box& scene_bounds,
+                  std::span<const ScriptedObject> objects);
 
     Box bounds_;
     TouchScene scene_;
