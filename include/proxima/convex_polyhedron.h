@@ -185,7 +185,8 @@ struct ConvexMeshOptions {
 /// the tolerance, and by area and volume it wraps the hull once. Which way the triangles are turned
 /// does not matter. Errors: invalid_mesh (empty; NaN or infinity; an open or branching edge; one
 /// side only; several components; all vertices in one plane; not convex), saying where;
-/// limit_exceeded (coordinates beyond max_polyhedron_coordinate); cancelled. O(n log n).
+/// limit_exceeded (coordinates beyond max_polyhedron_coordinate); cancelled. O(n log n), and O(k) more
+/// for a triangle whose only corner on the hull has k neighbours there.
 [[nodiscard]] Result<ConvexPolyhedron> polyhedron_of_mesh(const TriangleMesh& mesh,
                                                           const ConvexMeshOptions& options = {});
 

@@ -1,5 +1,6 @@
 #include "proxima/convex_polyhedron.h"
 
+#include "base/progress.h"
 #include "base/text.h"
 #include "geometry/exact_predicates.h"
 #include "geometry/length.h"
@@ -154,8 +155,10 @@ std::vector<std::uint32_t> vertices_of_hull(std::span<const Vec3> positions,
 /// Checks that the whole hull lies on one side of every triangle's plane. Exact predicates say
 /// whether it does. What stands beyond a plane is measured from the triangle's corner, so that
 /// roundings are those of the mesh's size, wherever it is.
-Status check_convex(const TriangleMesh& mesh, const ConvexPolyhedron& hull, double tolerance)
+Status check_convex(const TriangleMesh& mesh, const ConvexPolyhedron& hull, double tolerance,
+                    Progress* progress)
 {
+    StageSteps steps(progress, "holding triangles against their hull", mesh.triangle_count(), 64);
     Climber highest_above(hull, 1);
     Climber lowest_below(hull, -1);
     const std::vector<std::uint32_t> hull_vertices = vertices_of_hull(mesh.positions(), hull);
@@ -174,6 +177,7 @@ Status check_convex(const TriangleMesh& mesh, const ConvexPolyhedron& hull, doub
     std::size_t worst_triangle = 0;
     Vec3 worst_point = Vec3::Zero();
     for (std::size_t t = 0; t < mesh.triangle_count(); ++t) {
+        if (!steps.done(1)) return cancelled("making a convex polyhedron");
         const Triangle triangle = mesh.triangle(TriangleId{static_cast<std::uint32_t>(t)});
         const Vec3 normal = unit_normal({triangle[0], triangle[1]}, {triangle[0], triangle[2]});
         if (normal.isZero(0)) continue; // of no area: its vertices are seen through others
@@ -200,6 +204,7 @@ Status check_convex(const TriangleMesh& mesh, const ConvexPolyhedron& hull, doub
         worst_triangle = t;
         worst_point = up < down ? highest : lowest;
     }
+    steps.finish();
     if (worst <= tolerance) return {};
     return fail(ErrorCode::invalid_mesh,
                 concat("the mesh is not convex: the point ", point_text(worst_point), " stands ",
@@ -294,7 +299,9 @@ Result<ConvexPolyhedron> polyhedron_of_mesh(const TriangleMesh& mesh,
                     "the mesh has no volume: all its vertices lie in one plane");
     }
     const double diagonal = length_of(bounds->extent());
-    if (Status status = check_convex(mesh, *hull, options.tolerance * diagonal); !status)
+    if (Status status =
+            check_convex(mesh, *hull, options.tolerance * diagonal, options.execution.progress);
+        !status)
         return tl::unexpected(status.error());
     if (Status status = check_wrap(mesh, *turns, *hull, options.tolerance, diagonal); !status)
         return tl::unexpected(status.error());

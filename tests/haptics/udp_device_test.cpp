@@ -89,6 +89,14 @@ TEST(UdpDevice, AnotherDeviceComesAtOnceWhenTheFirstLeaves)
     // The first one has no way back while this one is there.
     take(state_packet(3), device_side, 1004);
     EXPECT_EQ(report.foreign, 2U);
+    // A leave that was long on the way counts, too.
+    other.sequence = 3;
+    other.flags = StatePacket::leaving;
+    take(other, somebody, 1003 + 200);
+    EXPECT_EQ(report.late, 1U);
+    take(state_packet(204), device_side, 1204);
+    EXPECT_EQ(report.sessions, 3U);
+    EXPECT_EQ(report.accepted, 4U);
 }
 
 TEST(UdpDevice, ANumberTooHighToFollowLocksNobodyOut)

@@ -4,13 +4,13 @@
 #include "polytopes.h"
 #include "proxima/minkowski_sum.h"
 #include "proxima/sample_meshes.h"
-#include "thesis/proximity_octree/unbounded_sum.h"
-#include "thesis/proximity_octree/voronoi_region.h"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <gtest/gtest.h>
+#include <set>
+#include <string_view>
 #include <tuple>
 
 namespace proxima::make_polyhedron_test {
@@ -287,6 +287,24 @@ TEST(PolyhedronOfMesh, TakesConesOfManySidesInTheTimeOfTheirHull)
     const double of_mesh = test::processor_time(
         [&] { EXPECT_EQ(polyhedron_of_mesh(mesh)->facet_count(), 2 * sides); });
     EXPECT_LT(of_mesh, 3 * of_hull);
+}
+
+TEST(PolyhedronOfMesh, IsCancelledWhileItHoldsTrianglesAgainstTheirHull)
+{
+    const TriangleMesh ball = make_icosphere(3);
+    std::set<double> fractions;
+    bool is_done = false;
+    for (std::uint64_t reports = 1; !is_done; ++reports) {
+        Progress progress;
+        progress.cancel_after(reports);
+        const auto made = polyhedron_of_mesh(ball, {.execution = {.progress = &progress}});
+        is_done = made.has_value();
+        if (is_done) continue;
+        EXPECT_EQ(made.error().code, ErrorCode::cancelled);
+        if (progress.stage() == std::string_view("holding triangles against their hull"))
+            fractions.insert(progress.fraction());
+    }
+    EXPECT_GE(fractions.size(), 10U) << "of 20 blocks of triangles";
 }
 
 TEST(PolyhedronOfMesh, IgnoresOrientationAndUnusedVertices)

@@ -87,13 +87,15 @@ void UdpDevice::take(std::span<const std::byte> datagram, const UdpAddress& from
         break;
     }
     report_.sessions = order_.sessions();
+    const bool leaves = (packet.flags & StatePacket::leaving) != 0;
     if (!is_in_time(packet, nanoseconds)) {
         ++report_.late;
+        if (leaves) order_.leave();
         return;
     }
     report_.lost += order_.accept(packet.sequence, nanoseconds);
     ++report_.accepted;
-    if ((packet.flags & StatePacket::leaving) != 0) order_.leave();
+    if (leaves) order_.leave();
     answered_ = packet;
     reading_.state = device_state(packet);
     ++reading_.sample;
