@@ -162,7 +162,8 @@ Status check_convex(const TriangleMesh& mesh, const ConvexPolyhedron& hull, doub
     Climber highest_above(hull, 1);
     Climber lowest_below(hull, -1);
     const std::vector<std::uint32_t> hull_vertices = vertices_of_hull(mesh.positions(), hull);
-    // Of a triangle's corners, the one with the fewest neighbours: a cone's apex has very many.
+    // Returns the corner of a triangle that has the fewest neighbours on the hull, because all of a
+    // corner's neighbours are looked at. The tip of a cone can have thousands.
     const auto corner_of = [&](const TriangleCorners& corners) {
         std::uint32_t best = no_corner;
         for (const std::uint32_t corner : corners) {
