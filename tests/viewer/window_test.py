@@ -49,7 +49,7 @@ class Opening(WindowTest):
         window = self.open()
         window.type("path", str(self.folder))
         window.wait(lambda state: "models/" in state["controls"], "the folder's list")
-        for _ in range(20):  # a slow machine may see two clicks, which enter two folders
+        for _ in range(20):  # the second click may come late on a busy machine, and enter a second folder
             window.double_click("models/", 0.1)
             window.frames(10)
             window.wait(lambda state: {"fan.obj", "one.obj"} & state["controls"].keys(), "a folder within")

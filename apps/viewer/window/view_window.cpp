@@ -4,6 +4,7 @@
 #include "base/text.h"
 #include "viewer/window/file_panel.h"
 #include "viewer/window/glfw_window.h"
+#include "viewer/window/imgui_mouse.h"
 #include "viewer/window/legend_box.h"
 #include "viewer/window/mouse_presses.h"
 #include "viewer/window/notice.h"
@@ -159,6 +160,7 @@ private:
     void on_button(int button, int action, int mods)
     {
         redraw();
+        imgui_mouse_.add(button, action != GLFW_RELEASE, mouse_, Clock::now(), deaf_);
         if (action == GLFW_RELEASE) {
             presses_.release(viewer_, in_view(mouse_));
             return;
@@ -220,6 +222,7 @@ private:
         constexpr double frame = 1.0 / 60.0;
         constexpr double watching = 0.1;
         constexpr double idle = 0.5;
+        deaf_ = Clock::now() - heard_;
         if (frames_wanted_ > 0) {
             --frames_wanted_;
             glfwPollEvents();
@@ -228,6 +231,7 @@ private:
                                   : !viewer_.is_settled() || written_.is_busy()    ? watching
                                                                                    : idle);
         }
+        heard_ = Clock::now();
         frames_wanted_ = std::max(frames_wanted_, 0);
     }
 
@@ -245,6 +249,8 @@ private:
 
         ImGui_ImplOpenGL3_NewFrame();
         ImGui_ImplGlfw_NewFrame();
+        imgui_mouse_.set(ImGui::GetIO());
+        if (imgui_mouse_.has_more()) redraw();
         ImGui::NewFrame();
         apply_theme();
         std::vector<WidgetBounds> widgets;
@@ -377,6 +383,9 @@ private:
     std::optional<Theme> styled_;
     Vec2 mouse_ = Vec2::Zero();
     MousePresses presses_;
+    ImguiMouse imgui_mouse_;
+    Clock::time_point heard_ = Clock::now(); ///< when the last look at events ended
+    ImguiMouse::Seconds deaf_{0.0};          ///< between the last two looks at events
 };
 
 } // namespace
