@@ -5,9 +5,9 @@
 
 namespace proxima {
 
-/// While it lives, SIGINT, SIGTERM and SIGHUP cancel the work that `progress` watches; one that the
-/// program was started to ignore (nohup, a script's background job) stays ignored. A second signal
-/// ends the program at once. One at a time.
+/// While it lives, SIGINT, SIGTERM, SIGHUP and SIGQUIT cancel the work that `progress` watches; one
+/// that the program was started to ignore (nohup, a script's background job) stays ignored. A signal
+/// that comes again a quarter of a second later ends the program at once. One at a time.
 class InterruptGuard {
 public:
     explicit InterruptGuard(Progress& progress) noexcept;

@@ -15,7 +15,7 @@ import unittest
 import zlib
 
 import mesh_files
-from proxima_program import PROXIMA, ProgramTest, environment_of_program, run
+from proxima_program import PROXIMA, ProgramTest, environment_of_program, has_signal, run
 
 OCTREE_KEYS = ["model", "triangles", "depth", "threshold", "method", "total", "leaves",
                "occupied_percent", "min_triangles", "max_triangles", "references", "mean_triangles",
@@ -507,18 +507,12 @@ class Pipes(ProgramTest):
         process = subprocess.Popen([PROXIMA, "repair", "icosphere:1", "--out", self.pipe("a.off")], stdout=subprocess.PIPE,
                                    stderr=subprocess.PIPE, text=True, env=environment_of_program())
         self.addCleanup(process.kill)
-        while not self.catches(process.pid, signal.SIGTERM):
+        while not has_signal(process.pid, "SigCgt", signal.SIGTERM):
             self.assertIsNone(process.poll())
             time.sleep(0.001)
         process.send_signal(signal.SIGTERM)
         error = process.communicate(timeout=60)[1]
         self.assertEqual((process.returncode, error.count("\n")), (143, 1), error)
-
-    @staticmethod
-    def catches(pid, number):
-        with open(f"/proc/{pid}/status") as file:
-            caught, = (line.split()[1] for line in file if line.startswith("SigCgt:"))
-        return int(caught, 16) >> (number - 1) & 1
 
 
 class Terminal(ProgramTest):

@@ -5,7 +5,7 @@ import subprocess
 import time
 import unittest
 
-from proxima_program import PROXIMA, ProgramTest, run
+from proxima_program import PROXIMA, ProgramTest, has_signal, run
 
 # Seconds of the processor, so that a busy machine does not matter; watched by a sanitizer, programs are much slower.
 SOON = 30.0 if os.environ.get("PROXIMA_SANITIZE") else 1.0
@@ -23,19 +23,13 @@ def after(seconds):
     return lambda pid: processor_seconds(pid) >= seconds
 
 
-def catches(pid, sent):
-    """Whether the program has begun to handle the signal: watched by a sanitizer, it is long before it does."""
-    with open(f"/proc/{pid}/status") as file:
-        caught = next(line for line in file if line.startswith("SigCgt:"))
-    return int(caught.split()[1], 16) >> (sent - 1) & 1
-
-
 class InterruptTest(ProgramTest):
     def interrupt(self, *arguments, when, sent=signal.SIGINT, keeps=()):
         """Runs, sends the signal at the moment that `when(pid)` tells, and sees what comes of it."""
         with subprocess.Popen([PROXIMA, *map(str, arguments), "--threads", "1"], stdout=subprocess.PIPE,
                               stderr=subprocess.PIPE, text=True) as process:
-            while not (catches(process.pid, sent) and when(process.pid)):
+            # Watched by a sanitizer, it is long before the program handles signals.
+            while not (has_signal(process.pid, "SigCgt", sent) and when(process.pid)):
                 self.assertIsNone(process.poll(), "the work was over too soon for this test")
                 time.sleep(0.001)
             before = processor_seconds(process.pid)

@@ -24,6 +24,13 @@ def run(*arguments, env=os.environ, **options):
                           **{"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, "timeout": SECONDS, **options})
 
 
+def has_signal(pid, kind, number):
+    """Whether a signal is in a set of /proc: handled by the process (SigCgt) or waiting for it (ShdPnd)."""
+    with open(f"/proc/{pid}/status") as file:
+        bits = next(line for line in file if line.startswith(f"{kind}:"))
+    return int(bits.split()[1], 16) >> (number - 1) & 1
+
+
 class ProgramTest(unittest.TestCase):
     """Gives each test an empty folder, and what to expect of the program."""
 

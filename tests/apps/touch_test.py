@@ -1,4 +1,5 @@
 """proxima touch: sessions of a simulated hand and of devices, recordings and their replay."""
+import contextlib
 import json
 import math
 import os
@@ -10,7 +11,7 @@ import time
 import unittest
 import zlib
 
-from proxima_program import PROXIMA, SANITIZED, ProgramTest
+from proxima_program import PROXIMA, SANITIZED, ProgramTest, has_signal
 from touch_report import KEYS, MEASURED, OF_A_DEVICE, SCRIPTS
 from udp_hand import free_port
 
@@ -367,6 +368,50 @@ class Stopping(ProgramTest):
             again = self.json_of("touch", "cube", "--device", f"replay:{session}")
             self.assertEqual((again["replay_differences"], again["ticks"]), (0, report["ticks"]))
             session.unlink()
+
+    @contextlib.contextmanager
+    def session(self):
+        """A session of a minute, once it handles signals."""
+        with subprocess.Popen([PROXIMA, "touch", "cube", "--device", "hand:press", "--seconds", "60", "--json", "-"],
+                              stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as process:
+            while not has_signal(process.pid, "SigCgt", signal.SIGINT):
+                time.sleep(0.01)
+            time.sleep(0.3)
+            yield process
+
+    def interrupt(self, process):
+        """Sends SIGINT and waits until it is handled."""
+        process.send_signal(signal.SIGINT)
+        while process.poll() is None and has_signal(process.pid, "ShdPnd", signal.SIGINT):
+            pass
+
+    def test_a_signal_that_comes_twice_at_once_lets_the_force_fade(self):
+        for _ in range(20):  # a busy machine may come to the second one late
+            with self.session() as process:
+                begin = time.monotonic()
+                self.interrupt(process)
+                process.send_signal(signal.SIGINT)
+                passed = time.monotonic() - begin
+                text, error = process.communicate(timeout=60)
+            if passed < 0.2:
+                self.assertEqual((process.returncode, error), (0, ""))
+                self.assertTrue(json.loads(text)["interrupted"])
+                return
+        self.fail("two signals never came within 0.2 s")
+
+    def test_a_signal_that_comes_again_later_ends_the_program(self):
+        for _ in range(20):  # a busy machine may come to stop it after its end
+            with self.session() as process:
+                self.interrupt(process)
+                process.send_signal(signal.SIGSTOP)
+                time.sleep(0.3)
+                process.send_signal(signal.SIGINT)
+                process.send_signal(signal.SIGCONT)
+                process.communicate(timeout=60)
+            if process.returncode != 0:
+                self.assertEqual(process.returncode, -signal.SIGINT)
+                return
+        self.fail("the session was never stopped before its end")
 
     def test_a_reader_that_leaves_does_not_end_the_session(self):
         report = self.folder / "report.json"

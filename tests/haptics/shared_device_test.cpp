@@ -8,6 +8,7 @@
 #include <gtest/gtest.h>
 
 #include <cstdlib>
+#include <vector>
 
 namespace proxima::shared_device_test {
 namespace {
@@ -99,6 +100,41 @@ TEST(HdDevice, RestsForHalfASecondAfterAForceError)
     EXPECT_NE((*device)->trouble().find("stopped the force 1 times: Exceeded max force"),
               std::string::npos);
     EXPECT_EQ(stub.state.forces_enabled, 2); // once more, after the rest
+}
+
+TEST(HdDevice, ALossWhileTheForceIsSetIsSaidByTheNextReading)
+{
+    Stub stub(STUB_HD);
+    auto device = open_hd_device({.library = STUB_HD});
+    ASSERT_TRUE(device);
+    stub.state.write_fault = 10;
+    std::vector<std::uint64_t> losses;
+    (void)(*device)->run({.ticks = 30}, [&](std::uint64_t number) {
+        if ((*device)->read().state.condition == InputCondition::gone) losses.push_back(number);
+        (*device)->write({});
+        return Flow::proceed;
+    });
+    EXPECT_EQ(losses, std::vector<std::uint64_t>{10}); // from 0, and the stub counts from 1
+    EXPECT_EQ((*device)->trouble(),
+              "the driver lost the device: Device fault (error 768, internal -42)");
+}
+
+TEST(HdDevice, TellsForceErrorsFromLosses)
+{
+    Stub stub(STUB_HD);
+    auto device = open_hd_device({.library = STUB_HD});
+    ASSERT_TRUE(device);
+    stub.state.unplug = 10;
+    stub.state.replug = 20;
+    stub.state.force_error = 30;
+    (void)(*device)->run({.ticks = 40}, [&](std::uint64_t) noexcept {
+        (void)(*device)->read();
+        (*device)->write({});
+        return Flow::proceed;
+    });
+    EXPECT_EQ((*device)->trouble(), "the driver stopped the force 1 times: Exceeded max force; the "
+                                    "driver lost the device: Communication error (error 770, "
+                                    "internal -42)");
 }
 
 TEST(HdDevice, TheRestIsHalfASecondAtAnyRate)
@@ -226,6 +262,18 @@ TEST(DhdDevice, TouchesByPolling)
     EXPECT_EQ(stub.state.forces_enabled, 0);
     EXPECT_EQ(stub.state.open_devices, 0);
     EXPECT_EQ(stub.state.forces_outside, 0);
+}
+
+TEST(DhdDevice, SaysWhoseLimitsAnUnknownModelHas)
+{
+    setenv("PROXIMA_STUB", "unknown=1", 1);
+    auto device = open_dhd_device({.library = STUB_DHD});
+    unsetenv("PROXIMA_STUB");
+    ASSERT_TRUE(device) << describe(device.error());
+    const DeviceInfo& info = (*device)->info();
+    EXPECT_EQ(info.model, "Force Dimension sigma.7 (stub) (unknown here: limits of an omega)");
+    EXPECT_EQ(info.limits.name, "omega");
+    EXPECT_EQ(info.limits.max_force, 12);
 }
 
 TEST(DhdDevice, SurvivesBeingUnplugged)

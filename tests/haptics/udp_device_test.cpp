@@ -265,6 +265,31 @@ TEST(UdpDevice, ReadsAtMost64DatagramsATick)
     EXPECT_EQ(device->report().lost, 0U);
 }
 
+TEST(UdpDevice, ItsEndTakesTheForceAway)
+{
+    auto device = listening_device();
+    UdpSocket hand = *UdpSocket::listen({});
+    const auto address = parse_udp_address(device->info().name.substr(4));
+    ASSERT_TRUE(address);
+    ASSERT_TRUE(hand.send(encode(state_packet(7)), *address));
+    EXPECT_EQ(device->read().sample, 1U);
+    device->write({.force = {1, 2, 3}});
+    device.reset();
+    std::array<std::byte, reply_packet_size> bytes{};
+    for (const Vec3& force : {Vec3(1, 2, 3), Vec3(0, 0, 0)}) {
+        ASSERT_TRUE(hand.receive(bytes));
+        ReplyPacket reply;
+        ASSERT_EQ(decode(bytes, reply), PacketFault::none);
+        EXPECT_EQ(reply.sequence, 7U);
+        EXPECT_EQ(reply.command.force, force);
+    }
+    EXPECT_FALSE(hand.receive(bytes));
+    // One that nobody has sent to has nobody to tell.
+    device = listening_device();
+    device.reset();
+    EXPECT_FALSE(hand.receive(bytes));
+}
+
 TEST(UdpDevice, HasAsManyButtonsAsAStateHasBits)
 {
     const auto device = listening_device();

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <array>
 #include <cctype>
+#include <optional>
 
 namespace proxima {
 
@@ -64,14 +65,14 @@ std::string dhd_text(const char* text)
     return text != nullptr ? text : "";
 }
 
-/// The limits of the model of this name, or an omega's where it is unknown.
-DeviceLimits limits_of(std::string name)
+/// The limits of the model of this name, if it is known.
+std::optional<DeviceLimits> limits_of(std::string name)
 {
     std::ranges::transform(name, name.begin(), [](unsigned char c) { return std::tolower(c); });
     for (const char* const known : {"omega", "delta", "falcon"}) {
-        if (name.find(known) != std::string::npos) return *find_device(known);
+        if (name.find(known) != std::string::npos) return find_device(known);
     }
-    return *find_device("omega");
+    return std::nullopt;
 }
 
 class DhdDevice final : public Device {
@@ -89,7 +90,9 @@ public:
             api_.get_version(&version[0], &version[1], &version[2], &version[3]);
         info_.driver = concat(library_.path(), ", SDK ", version[0], '.', version[1], '.',
                               version[2], '.', version[3]);
-        info_.limits = limits_of(info_.model);
+        const std::optional<DeviceLimits> limits = limits_of(info_.model);
+        info_.limits = limits.value_or(*find_device("omega"));
+        if (!limits) info_.model += " (unknown here: limits of an omega)";
         info_.buttons = api_.get_button_mask != nullptr ? 32 : 1;
         info_.rotates =
             api_.get_orientation != nullptr && api_.has_wrist != nullptr && api_.has_wrist(id);

@@ -52,6 +52,9 @@ constexpr HdEnum calibration_needs_hands = 0x5002;
 /// Errors of forces: too large, too sudden, too fast, motors too warm. The driver stops the force.
 constexpr unsigned int first_force_error = 0x0200;
 constexpr unsigned int last_force_error = 0x0204;
+/// Errors of devices: faults and lost connections.
+constexpr unsigned int first_device_error = 0x0300;
+constexpr unsigned int last_device_error = 0x03FF;
 
 /// Hz: the driver's, unless it is given another one that it has.
 constexpr double usual_rate = 1000;
@@ -175,8 +178,9 @@ private:
     HdHandle handle_;
     DeviceInfo info_;
     DeviceReading reading_;
-    HdError first_error_;
-    HdError loss_;
+    HdError first_force_error_;
+    HdError first_loss_;
+    bool is_lost_ = false; ///< to be said by the next reading
     HdError start_error_; ///< of the scheduler's start: ticks leave it alone
     std::uint64_t force_errors_ = 0;
     double rate_ = usual_rate;  ///< Hz, of the session
@@ -227,14 +231,14 @@ void HdDevice::describe_device(const HdOptions& options)
 
 void HdDevice::note(const HdError& error) noexcept
 {
-    if (first_error_.code == 0) first_error_ = error;
     if (error.code >= first_force_error && error.code <= last_force_error) {
         // The driver has stopped the force: wait, then ramp it up.
-        ++force_errors_;
+        if (force_errors_++ == 0) first_force_error_ = error;
         resting_ = static_cast<std::uint64_t>(std::ceil(rest_seconds * rate_));
         return;
     }
-    loss_ = error;
+    if (first_loss_.code == 0) first_loss_ = error;
+    is_lost_ = true;
 }
 
 DeviceReading HdDevice::read() noexcept
@@ -247,9 +251,8 @@ DeviceReading HdDevice::read() noexcept
     api_.get_doubles(current_transform, transform.data());
     api_.get_doubles(current_velocity, velocity.data());
     api_.get_integers(current_buttons, &buttons);
-    loss_ = {};
     if (const HdError error = api_.get_error(); error.code != 0) note(error);
-    if (loss_.code != 0) {
+    if (std::exchange(is_lost_, false)) {
         reading_.state.condition = InputCondition::gone;
         return reading_;
     }
@@ -272,7 +275,10 @@ void HdDevice::write(const DeviceCommand& command) noexcept
     const std::array<double, 3> force = {command.force.x(), command.force.y(), command.force.z()};
     api_.set_doubles(current_force, force.data());
     api_.end_frame(handle_);
-    if (const HdError error = api_.get_error(); error.code != 0) note(error);
+    if (const HdError error = api_.get_error(); error.code != 0) {
+        note(error);
+        is_lost_ = error.code >= first_device_error && error.code <= last_device_error;
+    }
 }
 
 std::string HdDevice::description(const HdError& error) const
@@ -287,12 +293,16 @@ std::string HdDevice::trouble() const
         return concat("the driver's scheduler does not run: ", description(start_error_));
     if (stalled_)
         return "the driver's scheduler stopped calling: check that the device is plugged in";
-    if (first_error_.code == 0) return {};
+    std::string said;
     if (force_errors_ > 0) {
-        return concat("the driver stopped the force ", force_errors_,
-                      " times: ", hd_text(api_.get_error_string(first_error_.code)));
+        said = concat("the driver stopped the force ", force_errors_,
+                      " times: ", hd_text(api_.get_error_string(first_force_error_.code)));
     }
-    return concat("the driver lost the device: ", description(first_error_));
+    if (first_loss_.code != 0) {
+        said += concat(said.empty() ? "" : "; ",
+                       "the driver lost the device: ", description(first_loss_));
+    }
+    return said;
 }
 
 ServoStatistics HdDevice::run(const ServoOptions& options, ServoTick tick)

@@ -133,6 +133,13 @@ void UdpDevice::write(const DeviceCommand& command) noexcept
     report_.unsent += sent ? 0U : 1U;
 }
 
+UdpDevice::~UdpDevice()
+{
+    if (report_.accepted == 0) return;
+    unanswered_ = true;
+    write({}); // once more, without a force
+}
+
 std::string UdpDevice::trouble() const
 {
     if (report_.accepted > 0) return {};

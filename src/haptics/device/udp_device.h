@@ -51,6 +51,7 @@ class UdpDevice final : public Device {
 public:
     /// Errors: those of UdpSocket::listen.
     [[nodiscard]] static Result<std::unique_ptr<UdpDevice>> open(const UdpOptions& options);
+    ~UdpDevice() override;
 
     [[nodiscard]] const DeviceInfo& info() const noexcept override { return info_; }
     [[nodiscard]] DeviceReading read() noexcept override;

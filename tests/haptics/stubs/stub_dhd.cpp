@@ -37,7 +37,7 @@ int dhdClose(char)
 }
 const char* dhdGetSystemName(char)
 {
-    return "omega.3 (stub)";
+    return stub_state.unknown == stub::never ? "omega.3 (stub)" : "sigma.7 (stub)";
 }
 int dhdGetPosition(double* x, double* y, double* z, char)
 {

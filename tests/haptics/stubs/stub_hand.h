@@ -25,11 +25,13 @@ struct State {
     long jump = never; ///< a metre away, for good
     long freeze = never;
     long stall = never; ///< the library calls no more
+    long write_fault = never; ///< the frame of this tick ends with an error of the device
     long force_error = never;
     long fail_open = never;   ///< anything but never
     long fail_enable = never; ///< likewise: forces cannot be enabled
     long fail_start = never;  ///< likewise: the scheduler does not start
     long press = never;       ///< button 1, for 100 ticks
+    long unknown = never;     ///< anything but never: the model has another name
     // A hand that moves the device slowly, then fast, and lets go: a device with these numbers.
     long release = never; ///< the tick; the fast motion takes the 500 ticks before it
     long friction = 200;  ///< mN
@@ -73,6 +75,7 @@ inline void read_environment(State& state)
         if (name == "fail_open") state.fail_open = tick;
         if (name == "fail_enable") state.fail_enable = tick;
         if (name == "press") state.press = tick;
+        if (name == "unknown") state.unknown = tick;
         if (name == "release") state.release = tick;
         if (name == "friction") state.friction = tick;
         if (name == "damping") state.damping = tick;

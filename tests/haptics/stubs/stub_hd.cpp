@@ -77,6 +77,7 @@ void hdBeginFrame(unsigned int)
 void hdEndFrame(unsigned int)
 {
     if (!in_frame) error = frame_error;
+    if (stub_state.ticks == stub_state.write_fault) error = device_fault;
     in_frame = false;
 }
 #endif
