@@ -10,6 +10,7 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <array>
+#include <cctype>
 #include <cstdlib>
 #include <exception>
 #include <fmt/format.h>
@@ -27,6 +28,11 @@ namespace {
 constexpr int bad_input = 1;
 constexpr int wrong_usage = 2;
 constexpr int first_signal_status = 128;
+
+/// Those that name a file which Session::check_outputs is told of, of all commands.
+constexpr std::array<std::string_view, 12> output_options = {
+    "--json", "--out",    "--picture",    "--save",  "--pairs",     "--contour",
+    "--map",  "--record", "--vertex-map", "--ticks", "--histogram", "--budget-curve"};
 
 /// Text that goes to stderr in pieces, without allocating.
 class StderrLine {
@@ -95,6 +101,11 @@ void add_common_options(CLI::App& parser, CommonOptions& options)
     parser
         .add_option("--simd", options.simd,
                     "Instruction set of kernels, such as AVX2, instead of the best")
+        ->transform([](std::string name) {
+            for (char& letter : name)
+                letter = static_cast<char>(std::toupper(static_cast<unsigned char>(letter)));
+            return name;
+        })
         ->envname("PROXIMA_SIMD")
         ->type_name("NAME");
     parser.add_flag("--points-and-lines", options.points_and_lines,
@@ -165,7 +176,11 @@ int run(const Command& command, const CommonOptions& options)
 {
     Session session(options);
     const InterruptGuard guard(session.progress());
-    Status status = options.simd.empty() ? Status() : choose_simd_target(options.simd);
+    Status status;
+    if (!options.simd.empty()) {
+        status = choose_simd_target(options.simd);
+        if (!status) status.error().where = "--simd";
+    }
     if (status) status = session.check_outputs({});
     if (status) status = command.run(session);
     if (status) status = finish_stdout();
@@ -236,6 +251,8 @@ int parse_and_run(int argc, char** argv, const char* version, std::span<const Ad
     for (const CLI::Option* const option : command.parser->get_options()) {
         const auto& values = option->results();
         options.arguments.insert(options.arguments.end(), values.begin(), values.end());
+        if (std::ranges::find(output_options, option->get_name()) != output_options.end())
+            options.outputs.insert(options.outputs.end(), values.begin(), values.end());
     }
     return run(command, options);
 }

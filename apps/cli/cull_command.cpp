@@ -86,26 +86,31 @@ Result<ViewVolume> volume_of_camera(const CullOptions& options, const TriangleMe
          .near = view.near()});
 }
 
-Status check_options(const CullOptions& options, Session& session)
+void check_usage(const CLI::App& parser, const CullOptions& options)
 {
-    // With planes, --up is for the picture.
+    // With planes, --up and --size are for the picture.
     CameraChoice camera = options.camera;
     if (options.has_planes()) camera.up = {};
-    if (options.has_planes() == camera.has_any()) {
-        return fail(ErrorCode::invalid_argument,
-                    "give either planes, by --plane or --frustum, or a camera: --view, --eye, "
-                    "--target, --fov, --up",
-                    "cull");
+    const bool has_camera =
+        camera.has_any() || (!options.has_planes() && parser.count("--size") > 0);
+    if (options.has_planes() == has_camera) {
+        throw CLI::ValidationError("cull",
+                                   "give either planes, by --plane or --frustum, or a camera: "
+                                   "--view, --eye, --target, --fov, --up, --size");
     }
-    if (options.has_planes() && options.camera.up && options.picture.empty()) {
-        return fail(ErrorCode::invalid_argument,
-                    "with planes it is of the picture: give --picture, too", "--up");
+    for (const char* const name : {"--up", "--size"}) {
+        if (!options.has_planes() || !options.picture.empty() || parser.count(name) == 0) continue;
+        throw CLI::ValidationError(name, "with planes it is of the picture: give --picture, too");
     }
     if (options.exact && options.method == QueryMethod::thesis) {
-        return fail(ErrorCode::invalid_argument,
-                    "is of --method index: the thesis's method draws all that visible cells list",
-                    "--exact");
+        throw CLI::ValidationError(
+            "--exact",
+            "is of --method index: the thesis's method draws all that visible cells list");
     }
+}
+
+Status check_outputs(const CullOptions& options, Session& session)
+{
     if (Status status = check_picture(options.picture, options.camera); !status) return status;
     if (!options.out.empty())
         if (Status status = check_triangle_file_format(options.out); !status) return status;
@@ -219,7 +224,7 @@ Status run_cull(const CullOptions& given, Session& session)
 {
     CullOptions options = given;
     options.out = rows_path(given.out, session, {given.picture});
-    if (Status status = check_options(options, session); !status) return status;
+    if (Status status = check_outputs(options, session); !status) return status;
     const auto prepared = prepare(options, session);
     if (!prepared) return tl::unexpected(prepared.error());
     Culled& culled = **prepared;
@@ -314,6 +319,7 @@ Command add_cull_command(CLI::App& app)
                      "no single plane excludes");
     add_query_method_option(*parser, options->method, "all triangles of the visible cells");
     add_cell_options(*parser, options->depth, options->threshold);
+    parser->callback([parser, options] { check_usage(*parser, *options); });
     return {parser, [options](Session& session) { return run_cull(*options, session); }};
 }
 

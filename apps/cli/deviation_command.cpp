@@ -52,16 +52,12 @@ struct DeviationModel {
     MeshIndex index;
 };
 
-Status check_deviation_options(const DeviationOptions& options, Session& session)
+Status check_deviation_outputs(const DeviationOptions& options, Session& session)
 {
     if (!options.out.empty() && lower_case_extension(options.out) != ".ply") {
         return fail(ErrorCode::unsupported_format, "--out writes .ply alone", options.out);
     }
     if (Status status = check_picture(options.picture, options.view); !status) return status;
-    if (options.is_signed && options.out.empty() && options.picture.empty()) {
-        return fail(ErrorCode::invalid_argument,
-                    "is of the colours of --out and --picture: give one of them", "--signed");
-    }
     if (!options.histogram.empty()) {
         if (Status status = check_plot_format(options.histogram); !status) return status;
     }
@@ -214,7 +210,7 @@ Status write_deviation_files(const DeviationModel& a, const DeviationModel& b,
 
 Status run_deviation(const DeviationOptions& options, Session& session)
 {
-    if (Status status = check_deviation_options(options, session); !status) return status;
+    if (Status status = check_deviation_outputs(options, session); !status) return status;
     Poses read{.poses = {}};
     if (!options.pose.empty()) {
         auto parsed = parse_pose(options.pose);
@@ -319,7 +315,7 @@ Command add_deviation_command(CLI::App& app)
         ->capture_default_str()
         ->type_name("N");
     add_budget_option(*parser, options->budget_mb,
-                      "Memory for measuring, in 10^6 bytes (default: the machine's)");
+                      "Memory for measuring, in 10^6 bytes (default: 3/4 of the machine's)");
     parser->add_option("--bins", options->bins, "Bins of the histogram")
         ->check(CLI::Range(1U, max_histogram_bins))
         ->capture_default_str()
@@ -338,6 +334,12 @@ Command add_deviation_command(CLI::App& app)
                      "Colours and qualities by signed distances, negative inside B");
     add_picture_options(*parser, options->picture, options->view,
                         "Draw A in the colours of its distances");
+    parser->callback([options] {
+        if (options->is_signed && options->out.empty() && options->picture.empty()) {
+            throw CLI::ValidationError(
+                "--signed", "is of the colours of --out and --picture: give one of them");
+        }
+    });
     return {parser, [options](Session& session) { return run_deviation(*options, session); }};
 }
 

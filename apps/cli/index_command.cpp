@@ -36,15 +36,19 @@ Result<MeshIndex> with_additions(MeshIndex index, const IndexOptions& options, S
     if (options.lists || options.lists_mb != 0) {
         auto listed =
             with_lists(index, {.list_bytes = options.lists_mb * 1'000'000, .execution = execution});
-        if (!listed) return listed;
+        if (!listed) return at_model(listed.error(), options.model);
         index = *listed;
     }
     if (options.slabs) {
         auto with = with_slabs(index, {.execution = execution});
-        if (!with) return with;
+        if (!with) return at_model(with.error(), options.model);
         index = *with;
     }
-    if (options.signs) return with_signs(index, {.execution = execution});
+    if (options.signs) {
+        auto with = with_signs(index, {.execution = execution});
+        if (!with) return at_model(with.error(), options.model);
+        index = *with;
+    }
     return index;
 }
 
@@ -64,7 +68,7 @@ Result<MeshIndex> make_index(const IndexOptions& options, Session& session, doub
     const ProgressBar shown(session.progress(), session.bar());
     const Stopwatch watch;
     auto index = build_mesh_index(*mesh, {.execution = session.execution()});
-    if (!index) return index;
+    if (!index) return at_model(index.error(), options.model);
     auto with = with_additions(*index, options, session);
     seconds = watch.seconds();
     return with;
@@ -76,7 +80,7 @@ Status run_index(const IndexOptions& options, Session& session)
     if (Status status = check_extension(options.save, ".pxi"); !status) return status;
     double seconds = 0;
     const auto index = make_index(options, session, seconds);
-    if (!index) return at_model(index.error(), options.model);
+    if (!index) return tl::unexpected(index.error());
     if (!options.save.empty()) {
         const ProgressBar shown(session.progress(), session.bar());
         Status status =

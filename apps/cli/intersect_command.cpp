@@ -81,7 +81,7 @@ struct PoseAnswer {
     double distance_seconds = 0;
 };
 
-Status check_options(const IntersectOptions& options, Session& session)
+Status check_outputs(const IntersectOptions& options, Session& session)
 {
     const auto wants = [](const std::string& path, std::string_view extension,
                           std::string_view option) -> Status {
@@ -91,11 +91,6 @@ Status check_options(const IntersectOptions& options, Session& session)
     };
     if (Status status = wants(options.contour, ".obj", "--contour"); !status) return status;
     if (Status status = check_picture(options.picture, options.view); !status) return status;
-    if (options.distance && options.method == QueryMethod::thesis) {
-        return fail(ErrorCode::invalid_argument,
-                    "is of --method index: the thesis has no distance between meshes",
-                    "--distance");
-    }
     if (!options.pairs.empty()) {
         if (const auto format = answer_format(options.pairs); !format)
             return tl::unexpected(format.error());
@@ -359,7 +354,7 @@ Status run_intersect(const IntersectOptions& given, Session& session)
 {
     IntersectOptions options = given;
     options.out = rows_path(given.out, session, {given.pairs, given.contour, given.picture});
-    if (Status status = check_options(options, session); !status) return status;
+    if (Status status = check_outputs(options, session); !status) return status;
     Poses read{.poses = std::vector<RigidTransform>(1)};
     if (!options.poses.empty()) {
         auto table = read_poses(options.poses, session);
@@ -479,6 +474,12 @@ Command add_intersect_command(CLI::App& app)
                             "double recursion of two octrees, and the triangles of leaves that "
                             "meet");
     add_cell_options(*parser, options->depth, options->threshold);
+    parser->callback([options] {
+        if (options->distance && options->method == QueryMethod::thesis) {
+            throw CLI::ValidationError(
+                "--distance", "is of --method index: the thesis has no distance between meshes");
+        }
+    });
     return {parser, [options](Session& session) { return run_intersect(*options, session); }};
 }
 

@@ -3,6 +3,7 @@
 #include "cli/commands.h"
 #include "cli/model_options.h"
 #include "cli/names.h"
+#include "cli/number_checks.h"
 #include "cli/stopwatch.h"
 #include "cli/text_table.h"
 #include "minkowski/export_sum.h"
@@ -130,14 +131,6 @@ Json json_of(const ConvexPolyhedron& polyhedron, const std::string& model)
 
 Status run_minkowski(const Options& options, Session& session)
 {
-    if (options.scale == 0 || !std::isfinite(options.scale)) {
-        return fail(ErrorCode::invalid_argument, "must be a finite number other than zero",
-                    "--scale");
-    }
-    if (!(options.tolerance >= 0) || !std::isfinite(options.tolerance)) {
-        return fail(ErrorCode::invalid_argument, "must be zero or a positive number",
-                    "--tolerance");
-    }
     if (Status status = session.check_outputs({options.out}); !status) return status;
     if (!options.out.empty()) {
         if (Status status = check_sum_format(options.out); !status) return status;
@@ -263,12 +256,17 @@ Command add_minkowski_command(CLI::App& app)
         ->add_option(
             "--tolerance", options->tolerance,
             "How far a model may be from convex, as a fraction of its bounding box's diagonal")
+        ->check(not_negative())
         ->capture_default_str()
         ->type_name("T");
     parser->add_flag("--hull", options->take_hull, "Sum the convex hulls of the models")
         ->excludes("--tolerance");
     parser->add_flag("--count-operations", options->count_operations,
                      "Print what each method costs in products and flops, as Table 3.2");
+    parser->callback([options] {
+        if (options->scale == 0 || !std::isfinite(options->scale))
+            throw CLI::ValidationError("--scale", "must be a finite number other than zero");
+    });
     return {parser, [options](Session& session) { return run_minkowski(*options, session); }};
 }
 

@@ -49,11 +49,6 @@ struct OctreeCommandOptions {
 /// Refuses before the work what could not be written after it.
 Status check_outputs(const OctreeCommandOptions& options, Session& session)
 {
-    if (options.as_printed &&
-        (options.method != OverlapMethod::minkowski || options.exact || options.two_pass)) {
-        return fail(ErrorCode::invalid_argument,
-                    "is of --method minkowski, without --exact and --two-pass", "--as-printed");
-    }
     std::vector<std::string> files = {options.save, options.picture};
     for (const std::string& path : options.outs) {
         constexpr std::array known = {".vtu", ".htg", ".glb", ".ply"};
@@ -269,6 +264,13 @@ Command add_octree_command(CLI::App& app)
     add_mesh_option(*parser, options->model, ModelKinds::meshes_and_octrees, options->mesh,
                     {"--depth", "--threshold", "--method", "--exact", "--as-printed", "--uniform",
                      "--two-pass", "--root", "--budget-mb"});
+    parser->callback([options] {
+        if (options->as_printed &&
+            (options->method != OverlapMethod::minkowski || options->exact || options->two_pass)) {
+            throw CLI::ValidationError("--as-printed",
+                                       "is of --method minkowski, without --exact and --two-pass");
+        }
+    });
     return {parser, [options](Session& session) { return run_octree(*options, session); }};
 }
 

@@ -26,8 +26,10 @@ void add_mesh_option(CLI::App& parser, const std::string& model, ModelKinds kind
     parser.parse_complete_callback([&parser, &model, all, names = std::move(not_for_files)] {
         if (!is_octree_file(model) && !(all && is_index_file(model))) {
             if (parser.count("--mesh") == 0) return;
-            throw CLI::ValidationError("--mesh", concat("it goes with an octree file (",
-                                                        all ? ".pxo, .pxi" : ".pxo", ") alone"));
+            throw CLI::ValidationError(
+                "--mesh",
+                concat("it goes with an ",
+                       all ? "octree or index file (.pxo, .pxi)" : "octree file (.pxo)", " alone"));
         }
         for (const std::string& name : names) {
             if (parser.count(name) == 0) continue;

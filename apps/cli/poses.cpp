@@ -147,8 +147,8 @@ Result<Poses> read_poses(const std::string& path_or_pose, Session& session)
 std::string rotation_text(double rotation_error)
 {
     if (rotation_error == 0) return {};
-    return fmt::format("rotations are rounded, R^T R is up to {:.2g} away from the identity: the "
-                       "nearest rotations were used",
+    return fmt::format("rotations are rounded, up to {:.2g} off (R^T R from the identity, or a "
+                       "quaternion's length from 1): the nearest rotations were used",
                        rotation_error);
 }
 

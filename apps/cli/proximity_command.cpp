@@ -19,18 +19,8 @@ namespace proxima {
 
 namespace {
 
-/// Whether --save and --out have one octree to write, in a format there is.
-Status check_octree_outputs(const ProximityCommandOptions& options)
+Status check_cell_outputs(const ProximityCommandOptions& options)
 {
-    const bool asked = !options.save.empty() || !options.outs.empty();
-    if (asked && options.method == ProximityMethod::thesis) {
-        return fail(ErrorCode::invalid_argument,
-                    "--save and --out write octrees of --method general only");
-    }
-    if (asked && options.depths.size() > 1) {
-        return fail(ErrorCode::invalid_argument,
-                    "--save and --out write one octree: name one depth");
-    }
     for (const std::string& path : options.outs) {
         const std::string extension = lower_case_extension(path);
         if (extension != ".vtu" && extension != ".htg") {
@@ -53,7 +43,7 @@ Status run_proximity(const ProximityCommandOptions& options, Session& session)
     outputs.push_back(options.save);
     if (Status status = session.check_outputs(outputs); !status) return status;
     if (Status status = check_extension(options.save, ".pxi"); !status) return status;
-    if (Status status = check_octree_outputs(options); !status) return status;
+    if (Status status = check_cell_outputs(options); !status) return status;
     if (!options.budget_curves.empty()) return run_budget_curve(options, session);
     return options.method == ProximityMethod::thesis ? run_thesis_proximity(options, session)
                                                      : run_general_proximity(options, session);
@@ -135,16 +125,17 @@ void settle(const CLI::App& parser, ProximityCommandOptions& options)
 {
     check_margin(options);
     if (options.method == ProximityMethod::thesis) {
-        if (!options.budget_curves.empty()) {
-            throw CLI::ValidationError("--budget-curve", "it goes with --method general");
+        for (const char* const name : {"--budget-curve", "--lists-mb", "--save", "--out"}) {
+            if (parser.count(name) > 0)
+                throw CLI::ValidationError(name, "it goes with --method general");
         }
-        if (parser.count("--lists-mb") > 0)
-            throw CLI::ValidationError("--lists-mb", "it goes with --method general");
         if (options.depths.empty()) options.depths = {5};
         return;
     }
-    if (!options.budget_curves.empty() && options.depths.size() > 1)
-        throw CLI::ValidationError("--budget-curve", "it is of one depth: name one or none");
+    for (const char* const name : {"--budget-curve", "--save", "--out"}) {
+        if (options.depths.size() > 1 && parser.count(name) > 0)
+            throw CLI::ValidationError(name, "it is of one depth: name one or none");
+    }
     for (const char* const name : {"--flat", "--budget-mb", "--threshold", "--threshold-vertex",
                                    "--threshold-edge", "--threshold-face"}) {
         if (parser.count(name) == 0) continue;

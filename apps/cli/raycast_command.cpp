@@ -48,16 +48,18 @@ constexpr std::size_t round_rays = 256 * task_rays; ///< answered before they ar
 constexpr std::size_t task_cell_rays = 64;
 constexpr std::size_t round_cell_rays = 64 * task_cell_rays;
 
-Status check_options(const RaycastOptions& options, Session& session)
+void check_sources(const RaycastOptions& options)
 {
     const int sources = (options.rays_file.empty() ? 0 : 1) + (options.rays.empty() ? 0 : 1) +
                         (options.has_camera ? 1 : 0);
-    if (sources != 1) {
-        return fail(ErrorCode::invalid_argument,
-                    "give one of --rays, --ray and a camera: --picture, --size, --view, --eye, "
-                    "--target, --up, --fov",
-                    "raycast");
-    }
+    if (sources == 1) return;
+    throw CLI::ValidationError("raycast",
+                               "give one of --rays, --ray and a camera: --picture, --size, --view, "
+                               "--eye, --target, --up, --fov");
+}
+
+Status check_outputs(const RaycastOptions& options, Session& session)
+{
     if (Status status = check_picture(options.picture, options.camera); !status) return status;
     return check_rows(options.out, session, {options.picture});
 }
@@ -246,7 +248,7 @@ Status run_raycast(const RaycastOptions& given, Session& session)
 {
     RaycastOptions options = given;
     if (!options.has_camera) options.out = rows_path(given.out, session);
-    if (Status status = check_options(options, session); !status) return status;
+    if (Status status = check_outputs(options, session); !status) return status;
     const auto prepared = prepare(options, session);
     if (!prepared) return tl::unexpected(prepared.error());
     Casting& casting = **prepared;
@@ -320,6 +322,7 @@ Command add_raycast_command(CLI::App& app)
     parser->final_callback([parser, options] {
         options->has_camera = options->camera.has_any() || parser->count("--picture") > 0 ||
                               parser->count("--size") > 0;
+        check_sources(*options);
     });
     return {parser, [options](Session& session) { return run_raycast(*options, session); }};
 }

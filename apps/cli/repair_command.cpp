@@ -4,6 +4,7 @@
 #include "cli/counted.h"
 #include "cli/model_options.h"
 #include "cli/npy_header.h"
+#include "cli/number_checks.h"
 #include "cli/row_text.h"
 #include "cli/row_writer.h"
 #include "cli/stopwatch.h"
@@ -184,14 +185,6 @@ Status write_files(const RepairCommandOptions& options, const MeshRepair& repair
                      });
 }
 
-/// An error of an option in the words of the command line.
-tl::unexpected<Error> of_option(Error error, const std::string& model)
-{
-    if (error.code != ErrorCode::invalid_argument) return at_model(std::move(error), model);
-    error.where = error.where == "weld_distance" ? "--weld" : "--min-component-area";
-    return tl::unexpected(std::move(error));
-}
-
 Status check_files(const RepairCommandOptions& options, Session& session)
 {
     Status outputs = session.check_outputs({options.out, options.map, options.vertex_map});
@@ -213,7 +206,7 @@ Status run_repair(const RepairCommandOptions& options, Session& session)
     steps.execution = session.execution();
     const Stopwatch watch;
     const auto repair = repair_mesh(*mesh, steps);
-    if (!repair) return of_option(repair.error(), options.model);
+    if (!repair) return at_model(repair.error(), options.model);
     const double seconds = watch.seconds();
     const auto report = report_mesh(repair->mesh, {.execution = session.execution()});
     if (!report) return at_model(report.error(), options.model);
@@ -251,6 +244,7 @@ void add_step_options(CLI::App& parser, MeshRepairOptions& steps)
         .add_option("--weld", steps.weld_distance,
                     "Join vertices up to this far apart, in the model's unit; 0, the default: at "
                     "the same position")
+        ->check(number_between(0.0, 1e300))
         ->type_name("DISTANCE")
         ->excludes(no_weld);
     off("--keep-degenerate", steps.drop_degenerate, "Keep triangles that name a vertex twice");
@@ -262,6 +256,7 @@ void add_step_options(CLI::App& parser, MeshRepairOptions& steps)
     parser
         .add_option("--min-component-area", steps.min_component_area,
                     "Drop components of less than this fraction of the largest one's area")
+        ->check(number_between(0.0, 1.0))
         ->capture_default_str()
         ->type_name("F");
     parser

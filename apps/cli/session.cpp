@@ -207,11 +207,11 @@ Status Session::check_inputs(const std::vector<std::string>& outputs) const
             return !is_sample_mesh_name(argument) &&
                    true_path(std::string(without_kind(argument))) == output;
         };
-        if (std::ranges::count_if(options_.arguments, is_it) < 2) continue;
+        if (std::ranges::count_if(options_.arguments, is_it) ==
+            std::ranges::count_if(options_.outputs, is_it))
+            continue;
         return fail(ErrorCode::invalid_argument,
-                    "would be read and written, or written twice: name another file for "
-                    "what is written",
-                    output);
+                    "would be read and written: name another file for what is written", output);
     }
     return {};
 }

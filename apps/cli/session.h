@@ -28,6 +28,7 @@ struct CommonOptions {
     bool points_and_lines = false; ///< of files, as triangles without area
     std::string simd;              ///< the instruction set of kernels, empty for the best
     std::vector<std::string> arguments; ///< values of all options, as given: input files among them
+    std::vector<std::string> outputs;   ///< those of them that name a file to write
 };
 
 /// Error file_not_writable where stdout did not take everything: to be asked last.

@@ -106,12 +106,6 @@ Result<std::unique_ptr<TouchModel>> load_what_is_touched(const TouchCommandOptio
     const bool is_driven = !options.engine.empty();
     if (!options.objects.any() && !is_driven)
         return load_touch_model(options.model, options.lists, session);
-    if (!options.patches.empty()) {
-        return fail(ErrorCode::invalid_argument,
-                    "is for one model at rest: leave it out, or --object, --pose, --motion and "
-                    "--material",
-                    option_of_patches(options));
-    }
     auto plan = plan_scene(options.model, options.objects, usual_material(options));
     if (!plan) return tl::unexpected(plan.error());
     if (is_driven) {
@@ -213,7 +207,7 @@ Status run_device(const TouchCommandOptions& options, Session& session)
     return plotted ? written : plotted;
 }
 
-Status list_devices(const TouchCommandOptions& options, Session& session)
+Status check_list_options(const TouchCommandOptions& options)
 {
     for (const std::string& option : options.given) {
         if (option != "--list-devices" && option != "--device-library") {
@@ -221,6 +215,19 @@ Status list_devices(const TouchCommandOptions& options, Session& session)
                         "has no effect with --list-devices, which touches nothing", option);
         }
     }
+    return {};
+}
+
+Status check_usage(const TouchCommandOptions& options)
+{
+    if (options.list) return check_list_options(options);
+    if (Status status = check_options(options); !status) return status;
+    if (Status status = check_engine_options(options); !status) return status;
+    return check_self_test_options(options);
+}
+
+Status list_devices(const TouchCommandOptions& options, Session& session)
+{
     const std::vector<FoundDevice> devices = look_for_devices(options.library);
     session.print(device_list_text(devices));
     return session.write_json(device_list_json(devices));
@@ -228,14 +235,9 @@ Status list_devices(const TouchCommandOptions& options, Session& session)
 
 Status run_touch(TouchCommandOptions options, Session& session)
 {
-    if (options.method == QueryMethod::thesis && options.patches.empty())
-        options.patches = usual_thesis_patch;
     if (options.list) return list_devices(options, session);
     // Whoever reads our words may end before the session does: its forces then fade all the same.
     std::signal(SIGPIPE, SIG_IGN);
-    if (Status status = check_options(options); !status) return status;
-    if (Status status = check_engine_options(options); !status) return status;
-    if (Status status = check_self_test_options(options); !status) return status;
     const bool replays = options.device.starts_with(replay_prefix);
     if (!replays) {
         auto images = read_texture_images(options.objects.textures, &session.progress());
@@ -277,11 +279,15 @@ Command add_touch_command(CLI::App& app)
         "List the devices that were found, and why the others cannot be opened");
     // Not those that all commands have, which are added later.
     const std::vector<CLI::Option*> own = parser->get_options();
-    return {parser, [own, options](Session& session) {
-                for (const CLI::Option* const option : own)
-                    if (option->count() > 0) options->given.push_back(option->get_name());
-                return run_touch(*options, session);
-            }};
+    parser->callback([own, options] {
+        for (const CLI::Option* const option : own)
+            if (option->count() > 0) options->given.push_back(option->get_name());
+        if (options->method == QueryMethod::thesis && options->patches.empty())
+            options->patches = usual_thesis_patch;
+        if (const Status status = check_usage(*options); !status)
+            throw CLI::ValidationError(status.error().where, status.error().message);
+    });
+    return {parser, [options](Session& session) { return run_touch(*options, session); }};
 }
 
 } // namespace proxima

@@ -1,6 +1,5 @@
 #include "cli/touch_options.h"
 
-#include "base/file_extension.h"
 #include "base/text.h"
 #include "cli/index_file_model.h"
 #include "cli/names.h"
@@ -28,7 +27,8 @@ constexpr std::array recorded_options = {
     "--seconds",       "--limits",         "--stiffness", "--damping", "--radius",
     "--friction",      "--shading",        "--force",     "--scale",   "--axes",
     "--clutch",        "--device-library", "--stillness", "--patch",   "--collision-rate",
-    "--graphics-rate", "--record",         "--method",    "--guard",   "--engine"};
+    "--graphics-rate", "--record",         "--method",    "--guard",   "--engine",
+    "--pose",          "--motion",         "--material",  "--texture"};
 /// What a tool has no use for yet, and what is for a tool alone.
 constexpr std::array unfit_for_a_tool = {
     "--radius",  "--shading", "--force",  "--lists",         "--patch",
@@ -200,9 +200,6 @@ Status check_options(const TouchCommandOptions& options)
                       ? refuse(tool_options, "is of a tool: give --tool, or leave it out")
                       : refuse(unfit_for_a_tool, "is not for a tool: leave it or --tool out");
     if (!tool) return tool;
-    if (!options.tool.ticks.empty() && lower_case_extension(options.tool.ticks) != ".csv") {
-        return fail(ErrorCode::invalid_argument, "must end in .csv", options.tool.ticks);
-    }
     const std::string kind = options.device.substr(0, options.device.find(':'));
     Status status;
     if (kind == "replay") {
@@ -237,6 +234,12 @@ Status check_options(const TouchCommandOptions& options)
                            option_of_patches(options), " out"),
                     "--record");
     }
+    if (!options.patches.empty() && options.objects.any()) {
+        return fail(ErrorCode::invalid_argument,
+                    "is for one model at rest: leave it out, or --object, --pose, --motion and "
+                    "--material",
+                    option_of_patches(options));
+    }
     return check_penalty(options);
 }
 
@@ -258,7 +261,8 @@ void add_touch_options(CLI::App& parser, TouchCommandOptions& options)
         .add_option(
             "--limits", options.limits,
             "Limits of force, stiffness, damping and workspace, by device: " + names_of_devices() +
-                "; default: the device's own, and an omni's for a simulated hand")
+                "; those of hd and dhd are only lowered by it; default: the device's own, and an "
+                "omni's for a simulated hand and over UDP")
         ->check([](const std::string& name) {
             return find_device(name)
                        ? std::string()

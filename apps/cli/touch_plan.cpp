@@ -230,18 +230,6 @@ Result<ScenePlan> plan_scene(const std::string& model, const ObjectOptions& opti
 Result<ScenePlan> plan_scene(const std::string& model, const ObjectOptions& options,
                              const Recording& recording, const std::string& path)
 {
-    struct Given {
-        const char* option;
-        bool given;
-    };
-    for (const auto& [option, given] :
-         {Given{"--pose", !options.poses.empty()}, Given{"--motion", !options.motions.empty()},
-          Given{"--material", !options.materials.empty()},
-          Given{"--texture", !options.textures.empty()}}) {
-        if (!given) continue;
-        return fail(ErrorCode::invalid_argument,
-                    concat("is in the recording ", path, " already: leave it out"), option);
-    }
     ScenePlan plan;
     plan.models = all_models(model, options);
     plan.objects = recording.settings.objects;

@@ -51,8 +51,8 @@ struct ScenePlan {
 [[nodiscard]] Result<ScenePlan> plan_scene(const std::string& model, const ObjectOptions& options,
                                            const SurfaceMaterial& usual);
 
-/// The scene of a recording, whose poses and all it has; nothing of one model at rest. Errors
-/// invalid_argument: other models by number, poses, motions, materials or textures that are given as well.
+/// The scene of a recording, whose poses and all it has, not those of the options; nothing of one
+/// model at rest. Error invalid_argument: other models by number.
 [[nodiscard]] Result<ScenePlan> plan_scene(const std::string& model, const ObjectOptions& options,
                                            const Recording& recording, const std::string& path);
 

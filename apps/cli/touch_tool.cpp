@@ -1,6 +1,8 @@
 #include "cli/touch_tool.h"
 
+#include "base/file_extension.h"
 #include "base/output_file.h"
+#include "base/text.h"
 #include "cli/model_options.h"
 #include "cli/names.h"
 #include "cli/touch_device.h"
@@ -159,6 +161,7 @@ struct ToolSession {
     const ToolCommandOptions& options;
     const std::string& model_name;
     const std::string& device;
+    std::string_view record; ///< empty where nothing was recorded
     const MeshIndex& model;
     const MeshIndex& tool;
     double tick_seconds = 1e-3;
@@ -199,6 +202,7 @@ Status report_tool(const ToolSession& of, const ToolAccount& account,
     text += times_text("a tick by the clock", account.tick);
     text += times_text("a tick's processor time", account.processor);
     session.print(text);
+    if (!of.record.empty()) session.print(fmt::format("wrote {}\n", of.record));
     if (!of.options.ticks.empty()) {
         auto file = OutputFile::create(of.options.ticks);
         if (!file) return tl::unexpected(file.error());
@@ -278,7 +282,7 @@ Status replay_tool(const ToolCommandOptions& options, const std::string& touched
         if (!options.ticks.empty()) kept.push_back(felt);
     }
     account.swings = guard_of(*renderer).passivity().report();
-    return report_tool({options, touched, device, index, *tool, settings.tick_seconds,
+    return report_tool({options, touched, device, "", index, *tool, settings.tick_seconds,
                         settings.max_torque, settings.render.guard},
                        account, kept, session);
 }
@@ -306,7 +310,13 @@ void add_tool_options(CLI::App& parser, ToolCommandOptions& options)
         .add_option(
             "--max-work", options.max_work,
             "Most work in a tick of a tool, about a microsecond a unit; what is left is for the "
-            "next tick. 0 for no bound")
+            "next tick. At least 100, or 0 for no bound")
+        ->check([](const std::string& text) {
+            const auto units = parse_whole(text);
+            return units && (*units == 0 || *units >= 100)
+                       ? std::string()
+                       : concat(text, " is neither 0 nor a whole number from 100 up");
+        })
         ->capture_default_str()
         ->type_name("N");
     parser
@@ -320,6 +330,8 @@ Status run_tool(const ToolCommandOptions& options, const std::string& model_name
                 const std::string& record, const TouchSettings& settings, Session& session)
 {
     if (Status status = session.check_outputs({options.ticks, record}); !status) return status;
+    if (!options.ticks.empty() && lower_case_extension(options.ticks) != ".csv")
+        return fail(ErrorCode::invalid_argument, "must end in .csv", options.ticks);
     if (settings.device.device.starts_with(replay_name))
         return replay_tool(options, model_name, settings.device.device, session);
     if (!record.empty()) {
@@ -405,11 +417,11 @@ Status run_tool(const ToolCommandOptions& options, const std::string& model_name
     account.interrupted = last < ticks;
     kept.resize(std::min<std::size_t>(kept.size(), account.ticks));
     recording.ticks.resize(std::min<std::size_t>(recording.ticks.size(), account.ticks));
-    const ToolSession of = {options, model_name,   settings.device.device, touched.index,
-                            *tool,   tick_seconds, options.max_torque,     render.guard};
+    const ToolSession of = {options,      model_name,         settings.device.device,
+                            record,       touched.index,      *tool,
+                            tick_seconds, options.max_torque, render.guard};
     if (!record.empty()) {
         if (Status status = save_tool_recording(recording, record, nullptr); !status) return status;
-        session.print(fmt::format("wrote {}\n", record));
     }
 
     return report_tool(of, account, kept, session);

@@ -192,9 +192,15 @@ class Cameras(ProgramTest):
         report = self.succeed("cull", "torus:20x10", "--frustum", path, "--picture", self.folder / "p.png")
         self.assertIn(" triangles visible", report)
         self.refuse("cull", "cube", "--frustum", path, "--out", "-", "--json", "-", says="stdout")
-        self.refuse("cull", "cube", says=("--plane", "--frustum", "--view"))
+        self.refuse("cull", "cube", status=2, says=("--plane", "--frustum", "--view"))
         for planes in (("--frustum", path), ("--plane", "1,0,0,0")):
-            self.refuse("cull", "cube", *planes, "--view", "top", says=("--plane", "--frustum", "--view"))
+            self.refuse("cull", "cube", *planes, "--view", "top", status=2, says=("--plane", "--frustum", "--view"))
+            for option in (("--size", "30x30"), ("--up", "x")):
+                self.refuse("cull", "cube", *planes, *option, status=2, says=(option[0], "--picture"))
+
+    def test_a_size_alone_is_a_camera(self):
+        self.assertEqual(self.succeed("cull", "torus:20x10", "--size", "40x30"),
+                         self.succeed("cull", "torus:20x10", "--size", "40x30", "--view", "0,20"))
 
 
 class Planes(ProgramTest):

@@ -133,6 +133,7 @@ class RefusingDeviation(ProgramTest):
         self.refuse("deviation", "cube", "cube", "--tolerance", "nan", status=2, says="tolerance")
         for splits in ("-1", "12345678901234567890123"):
             self.refuse("deviation", "cube", "cube", "--max-splits", splits, status=2, says="--max-splits")
+        self.refuse("deviation", "cube", "cube", "--signed", status=2, says=("--signed", "--out"))
         self.refuse("deviation", "cube", "cube", "--bins", "0", status=2, says="--bins")
         self.refuse("deviation", "cube", "cube", "--places", "257", status=2, says="--places")
         self.refuse("deviation", "cube", "cube", "--place-spacing", "nan", status=2, says="spacing")

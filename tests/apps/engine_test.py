@@ -213,8 +213,8 @@ class Words(EngineTest):
         for option, value in (("--motion", ["0=spin:0,0,1,10"]), ("--patch", ["1"]), ("--free-running", []),
                               ("--force", ["penalty"])):
             self.refuse("touch", "cube", "--device", "hand:press", "--engine", "udp:0", option, *value,
-                        says=(option, "--engine"))
-        self.refuse("touch", "cube", "--device", "replay:x.pxt", "--engine", "udp:0", says="--engine")
+                        status=2, says=(option, "--engine"))
+        self.refuse("touch", "cube", "--device", "replay:x.pxt", "--engine", "udp:0", status=2, says="--engine")
         for wrong in ("tcp:1", "shm:", "shm:a/b", "udp:x"):
             self.refuse("touch", "cube", "--device", "hand:press", "--engine", wrong, status=2, says=wrong.split(":")[1])
         with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as line:

@@ -216,6 +216,8 @@ class Poses(ProgramTest):
             self.assertIn("nearest rotations", noted.stderr)
             self.assertEqual(self.succeed("intersect", "cube", "cube", "--pose", pose, "--quiet"), rows.read_text())
         self.succeed("intersect", "cube", "cube", "--pose", exact)
+        quaternion = self.succeed("intersect", "cube", "cube", "--pose", "0,0,0,0,0,0,1.0001", "--out", rows)
+        self.assertIn("up to 0.0001 off (R^T R from the identity, or a quaternion's length from 1)", quaternion)
         single = self.file("pose.npy", npy([turn], "<f4", shape="(3, 4)"))
         self.assertTrue(1e-9 < self.pairs(single)[0] < 1e-6)
         self.assertLess(self.pairs(exact)[0], 1e-9)

@@ -104,7 +104,9 @@ class Refusing(ProgramTest):
         self.refuse("minkowski", "cube", status=2, says="B")
         self.refuse("minkowski", "cube", "cube", "--method", "fast", status=2, says="geometric")
         for scale in ("0", "-inf", "nan"):
-            self.refuse("minkowski", "cube", "cube", "--scale", scale, says="--scale")
+            self.refuse("minkowski", "cube", "cube", "--scale", scale, status=2, says="--scale")
+        for tolerance in ("-1", "inf", "nan"):
+            self.refuse("minkowski", "cube", "cube", "--tolerance", tolerance, status=2, says="--tolerance")
 
     def test_scales_that_make_coordinates_infinite(self):
         ten = self.file("ten.off", tetrahedron(10))

@@ -67,7 +67,7 @@ class Opening(OctreeFileTest):
 
     def test_mesh_goes_with_octree_files_alone(self):
         self.refuse("octree", "cube", "--mesh", "cube", status=2, says=("--mesh", ".pxo"))
-        self.refuse("check", "cube", "--mesh", "cube", status=2, says=("--mesh", ".pxo", ".pxi"))
+        self.refuse("check", "cube", "--mesh", "cube", status=2, says=("--mesh", "octree or index file (.pxo, .pxi)"))
 
     def test_the_mesh_of_another_octree_is_refused(self):
         path, _ = self.saved()

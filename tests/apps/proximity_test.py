@@ -169,6 +169,9 @@ class General(DrawingTest):
     def test_usage(self):
         for option in ("--threshold", "--threshold-vertex", "--threshold-edge", "--threshold-face"):
             self.refuse("proximity", "cube", option, 3, status=2, says=(option, "--method thesis"))
+        for option, name in (("--save", "a.pxi"), ("--out", "a.vtu")):
+            self.refuse(*THESIS, "cube", option, self.folder / name, status=2, says=(option, "--method general"))
+            self.refuse("proximity", "cube", "--depth", "1-3", option, self.folder / name, status=2, says=(option, "one depth"))
         self.refuse("proximity", "cube", "--depth", "3,15", status=2, says=("--depth", "14"))
         for margin in ("1001", "nan", "-1", "inf"):
             self.refuse("proximity", "cube", "--margin", margin, status=2, says=("--margin", "0 to 1000"))

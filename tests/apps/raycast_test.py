@@ -254,7 +254,9 @@ class Refusing(ProgramTest):
         for arguments, says in (
                 ([], "--rays, --ray and a camera"),
                 (["--rays", rays, "--size", "4x4"], "--rays, --ray and a camera"),
-                (["--rays", rays, "--picture", out], "a camera"),
+                (["--rays", rays, "--picture", out], "a camera")):
+            self.refuse("raycast", "cube", *arguments, status=2, says=says)
+        for arguments, says in (
                 (["--picture", self.folder / "x.jpg"], ".png"),
                 (["--picture", out, "--eye", "1,2,3", "--target", "1,2,3"], "--eye"),
                 (["--rays", rays, "--out", self.folder / "x.txt"], "unknown extension"),

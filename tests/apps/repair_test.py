@@ -172,9 +172,9 @@ class Refusing(ProgramTest):
 
     def test_usage(self):
         for value in ("-1", "nan", "inf"):
-            self.refuse("repair", "cube", "--weld=" + value, says="--weld")
-            self.refuse("repair", "cube", "--min-component-area=" + value, says="--min-component-area")
-        self.refuse("repair", "cube", "--min-component-area", 1.5, says="--min-component-area")
+            self.refuse("repair", "cube", "--weld=" + value, status=2, says="--weld")
+            self.refuse("repair", "cube", "--min-component-area=" + value, status=2, says="--min-component-area")
+        self.refuse("repair", "cube", "--min-component-area", 1.5, status=2, says="--min-component-area")
         self.refuse("repair", "cube", "--min-component-triangles", "-1", status=2, says="--min-component-triangles")
         self.refuse("repair", "cube", "--weld", 1, "--no-weld", status=2, says="--no-weld")
         self.refuse("repair", status=2, says="MODEL")

@@ -93,7 +93,7 @@ class Measuring(ProgramTest):
                 (("cube", "--device", "hand:press", "--yes"), ("--yes", "--self-test")),
                 (("--self-test", "--device", "udp:4711", "--delay", 1), ("--delay", "simulated hand")),
                 (("--self-test", "--device", "udp:4711", "--free-running"), ("--free-running",))):
-            self.refuse("touch", *arguments, says=words)
+            self.refuse("touch", *arguments, status=2, says=words)
         self.refuse("touch", "--self-test", status=2, says="--device")
 
     def test_a_faulty_device_gives_one_error(self):

@@ -115,7 +115,7 @@ class OtherQueries(ProgramTest):
         listed, visible = (set(path.read_text().split()) for path in out)
         self.assertLess(visible, listed)
         self.assertEqual(thesis["method"], "thesis")
-        self.refuse("cull", "cube", "--frustum", planes, "--method", "thesis", "--exact", says="--exact")
+        self.refuse("cull", "cube", "--frustum", planes, "--method", "thesis", "--exact", status=2, says="--exact")
 
     def test_meshes_meet_in_the_same_pairs(self):
         pose = self.file("pose.csv", "1,0,0,0.5,0,1,0,0.25,0,0,1,0.125\n0,-1,0,0.75,1,0,0,0,0,0,1,0\n")
@@ -126,7 +126,7 @@ class OtherQueries(ProgramTest):
         self.assertEqual([pose["pairs"] for pose in both[0]["poses"]], [pose["pairs"] for pose in both[1]["poses"]])
         for pose in both[0]["poses"]:
             self.assertGreaterEqual(pose["triangle_tests"], pose["pairs"])
-        self.refuse("intersect", "cube", "cube", "--method", "thesis", "--distance", says="--distance")
+        self.refuse("intersect", "cube", "cube", "--method", "thesis", "--distance", status=2, says="--distance")
 
     def test_touch_sends_patches_of_the_thesis(self):
         result = self.json_of("touch", "sphere:30x30", "--device", "hand:slide", "--seconds", "0.5",
@@ -151,7 +151,7 @@ class OtherQueries(ProgramTest):
     def test_refusals_name_the_option_that_was_given(self):
         press = ("touch", "cube", "--device", "hand:press", "--method", "thesis")
         for option in (("--object", "cube"), ("--force", "penalty"), ("--record", self.folder / "r.pxt")):
-            self.assertNotIn("--patch", self.refuse(*press, *option, says="--method"))
+            self.assertNotIn("--patch", self.refuse(*press, *option, status=2, says="--method"))
 
 
 class AsPrinted(ProgramTest):
@@ -160,7 +160,7 @@ class AsPrinted(ProgramTest):
         right = self.json_of("octree", "sphere:100x100", "--depth", "1", "--method", "minkowski", "--exact")
         self.assertEqual(right["references"], 22392)
         self.assertGreater(printed["references"], 22392)
-        self.refuse("octree", "cube", "--as-printed", says="--method minkowski")
+        self.refuse("octree", "cube", "--as-printed", status=2, says="--method minkowski")
 
     def test_edges_of_figure_5_3(self):
         edges = [self.json_of("proximity", "sphere:50x50", "--method", "thesis", "--depth", "2", *flat)["ridge_edges"]

@@ -115,7 +115,7 @@ class Scenes(ProgramTest):
         self.refuse("touch", "cube", "--object", "torus:24x12", "--object", "icosphere:2", *replay,
                     says=("scene.pxt", "as object 1", "torus:24x12"))
         for option, value in (("--pose", "1=0,0,0"), ("--motion", "1=spin:0,0,1,1"), ("--material", "1=1")):
-            self.refuse("touch", *SCENE, option, value, *replay, says=(option, "is in the recording"))
+            self.refuse("touch", *SCENE, option, value, *replay, status=2, says=(option, "as it was recorded"))
         single = self.folder / "single.pxt"
         self.succeed("touch", "cube", *feel, "--record", single)
         self.refuse("touch", "cube", "--object", "cube", "--device", f"replay:{single}", says=("single.pxt", "has 1 object"))
@@ -146,7 +146,7 @@ class Scenes(ProgramTest):
         for option, value in (("--pose", "1=0,0,0"), ("--motion", "1=spin:0,0,1,1"), ("--material", "1=1")):
             self.refuse(*good, option, value, option, value, says=(option, "twice", "object 1"))
         self.refuse(*good, "--pose", "1=1e308,0,0", says="too far")
-        self.refuse(*good, "--patch", 3, says=("--patch", "one model at rest"))
+        self.refuse(*good, "--patch", 3, status=2, says=("--patch", "one model at rest"))
         self.refuse(*good, "--object", self.folder / "none.obj", says="none.obj")
         self.refuse(*good, *(["--object", "cube"] * 62), says=("--object", "64"))
 

@@ -59,7 +59,7 @@ class Touching(ProgramTest):
                 self.succeed(*session, "--lists", "--record", listed)
                 self.assertEqual(plain.read_bytes(), listed.read_bytes(), (script, objects))
         self.succeed("index", "torus:24x12", "--save", index)
-        self.refuse("touch", index, "--device", "hand:press", "--lists", says=("--lists", "saved index"))
+        self.refuse("touch", index, "--device", "hand:press", "--lists", status=2, says=("--lists", "saved index"))
 
     def test_the_course_of_a_session(self):
         session = ("touch", "cube", "--device", "hand:press", "--seconds", 1, "--free-running")
@@ -137,7 +137,7 @@ class Touching(ProgramTest):
         self.assertEqual((again["force"], again["replay_differences"], again["passes"]), ("penalty", 0, report["passes"]))
         self.assertIn("by penalty forces", self.succeed(*arguments, "--force", "penalty"))
         for option in (("--radius", 0.001), ("--friction", 0.5), ("--shading",), ("--patch", 3), ("--object", "cube")):
-            self.refuse(*arguments, "--force", "penalty", *option, says=("--force", option[0]))
+            self.refuse(*arguments, "--force", "penalty", *option, status=2, says=("--force", option[0]))
         self.refuse(*arguments, "--force", "spring", status=2, says="--force")
 
     def test_textures_are_felt_and_replay(self):
@@ -150,7 +150,7 @@ class Touching(ProgramTest):
         report = self.json_of(*session, "--texture", "noise:0.0001,0.003", "--texture", "viscosity:1", "--texture",
                               "stick-slip:150,0.3", "--texture", "tap:2,200,100", "--record", recording)
         for first, second in (("grating:0.0001,0.003", "noise:0.0001,0.003"), ("tap:2", "tap:2"), ("0=dimples:0.0001,0.003", "0=noise:0.0001,0.003")):
-            self.refuse(*session, "--texture", first, "--texture", second, says=(first, second, "take the place of"))
+            self.refuse(*session, "--texture", first, "--texture", second, status=2, says=(first, second, "take the place of"))
         texture = report["texture"]
         self.assertEqual((texture["bump"], texture["wavelength"], texture["viscosity"]), ("noise", 0.003, 1))
         self.assertEqual((texture["stick_slip_stiffness"], texture["stick_slip_max_force"]), (150, 0.3))
@@ -177,8 +177,8 @@ class Touching(ProgramTest):
                      "viscosity:-1", "viscosity:nan", "stick-slip:1", "tap:1,2", "tap:1,5,80", "velvet:1", "x=viscosity:1", "=viscosity:1"):
             self.refuse(*session, "--texture", text, status=2, says="--texture")
         self.refuse(*session, "--texture", "1=viscosity:1", says=("--texture", "no object 1"))
-        self.refuse(*session, "--texture", "viscosity:1", "--force", "penalty", says=("--force", "--texture"))
-        self.refuse("touch", "icosphere:3", "--device", f"replay:{recording}", "--texture", "viscosity:1", says="--texture")
+        self.refuse(*session, "--texture", "viscosity:1", "--force", "penalty", status=2, says=("--force", "--texture"))
+        self.refuse("touch", "icosphere:3", "--device", f"replay:{recording}", "--texture", "viscosity:1", status=2, says="--texture")
 
     def test_images_are_felt_and_replay(self):
         """As pictures and as arrays, of all that is touched and of an object alone."""
@@ -277,7 +277,7 @@ class Touching(ProgramTest):
                       self.succeed(*usual, "--delay", 1, "--verbose"))
 
     def test_a_simulated_hand_has_no_buttons(self):
-        self.refuse("touch", "cube", "--device", "hand:press", "--seconds", 0.1, "--clutch", 1, says=("--clutch", "no buttons"))
+        self.refuse("touch", "cube", "--device", "hand:press", "--seconds", 0.1, "--clutch", 1, status=2, says=("--clutch", "no buttons"))
 
     def test_more_than_the_device_bears_is_said(self):
         free = ("touch", "cube", "--device", "hand:press", "--seconds", 0.1, "--free-running")
@@ -452,7 +452,7 @@ class Refusing(ProgramTest):
                        "--hand-damping=-1", "--device-damping=-1", "--device-friction=-1", "--encoder-step=-1", "--encoder-step=1",
                        "--delay=-1", "--delay=65", "--delay=1.5"):
             self.refuse(*good, option, status=2, says=option.split("=")[0])
-        self.refuse("touch", "cube", "--device", "udp:9", "--free-running", says=("--free-running", "simulated hand"))
+        self.refuse("touch", "cube", "--device", "udp:9", "--free-running", status=2, says=("--free-running", "simulated hand"))
 
     def test_options_without_effect(self):
         session = self.folder / "session.pxt"
@@ -460,14 +460,14 @@ class Refusing(ProgramTest):
         for option, value in (("--record", "again.pxt"), ("--stiffness", 100), ("--seconds", 1), ("--patch", 3),
                               ("--limits", "touch"), ("--free-running", None), ("--hand-mass", 0.2), ("--delay", 1)):
             extra = (option,) if value is None else (option, value)
-            self.refuse("touch", "cube", "--device", f"replay:{session}", *extra, says=(option, "as it was recorded"))
+            self.refuse("touch", "cube", "--device", f"replay:{session}", *extra, status=2, says=(option, "as it was recorded"))
         good = ("touch", "cube", "--device", "hand:press")
-        self.refuse(*good, "--collision-rate", 50, says=("--collision-rate", "--patch"))
-        self.refuse(*good, "--device-library", "libHD.so", says=("--device-library", "hd and dhd"))
-        self.refuse(*good, "--patch", 3, "--record", self.folder / "a.pxt", says=("--record", "--patch"))
+        self.refuse(*good, "--collision-rate", 50, status=2, says=("--collision-rate", "--patch"))
+        self.refuse(*good, "--device-library", "libHD.so", status=2, says=("--device-library", "hd and dhd"))
+        self.refuse(*good, "--patch", 3, "--record", self.folder / "a.pxt", status=2, says=("--record", "--patch"))
         self.refuse(*good, "--seconds", 86400, "--record", self.folder / "a.pxt", says=("--record", "GB", "--seconds"))
         for option in ("--seed", "--hand-mass", "--hand-stiffness", "--hand-damping", "--device-damping", "--device-friction", "--delay"):
-            self.refuse("touch", "cube", "--device", "udp:9", option, 4, says=(option, "simulated hand"))
+            self.refuse("touch", "cube", "--device", "udp:9", option, 4, status=2, says=(option, "simulated hand"))
         for seed in ("99999999999999999999999", "-1", "1.5"):
             self.refuse(*good, "--seed", seed, status=2, says=("--seed", "whole number"))
 

@@ -43,6 +43,11 @@ class Tools(ProgramTest):
             self.assertAlmostEqual(largest, result[key], places=6)
         self.assertEqual(sum(row["contacts"] > 0 for row in rows), result["touching_ticks"])
 
+    def test_files_are_named_after_the_report(self):
+        names = [self.folder / name for name in ("a.pxt", "a.csv")]
+        text = self.succeed("touch", "cube", *self.session, "--record", names[0], "--ticks", names[1])
+        self.assertEqual(text.splitlines()[-2:], [f"wrote {name}" for name in names])
+
     def test_a_recorded_session_replays_without_a_difference(self):
         file, before, after = (self.folder / name for name in ("a.pxt", "before.csv", "after.csv"))
         first = self.json_of("touch", "torus:24x12", *self.session, "--max-torque", 0.1, "--record", file, "--ticks", before)
@@ -56,7 +61,7 @@ class Tools(ProgramTest):
         self.refuse("touch", "torus:24x12", "--tool", "cube", "--tool-scale", 0.2, *replay, says="another model, tool")
         self.refuse("touch", "cube", *tool, *replay, says="another model, tool")
         for option, value in (("--max-work", 100), ("--friction", 1), ("--seconds", 2), ("--record", self.folder / "b.pxt")):
-            self.refuse("touch", "torus:24x12", *tool, *replay, option, value, says=option)
+            self.refuse("touch", "torus:24x12", *tool, *replay, option, value, status=2, says=option)
         # Points and tools have recordings of their own.
         self.refuse("touch", "torus:24x12", *replay, says="a.pxt")
 
@@ -80,24 +85,25 @@ class Tools(ProgramTest):
         again = self.json_of("touch", "cube", "--tool", "cube", "--tool-scale", 0.1, "--device", f"replay:{file}")
         self.assertEqual((again["guard"], again["replay_differences"]), ("on", 0))
         self.assertEqual(again["damped_ticks"], results["on"]["damped_ticks"])
-        self.refuse("touch", "cube", "--tool", "cube", "--device", f"replay:{file}", "--guard", "off", says="--guard")
+        self.refuse("touch", "cube", "--tool", "cube", "--device", f"replay:{file}", "--guard", "off", status=2, says="--guard")
 
     def test_what_does_not_go_together(self):
         for option, value in (("--radius", 0.001), ("--force", "penalty"),
                               ("--picture", self.folder / "a.png"), ("--patch", 1),
                               ("--object", "cube"), ("--texture", "viscosity:1"), ("--engine", "udp:0"),
                               ("--method", "thesis"), ("--graphics-rate", 10), ("--collision-rate", 10)):
-            self.refuse("touch", "cube", *self.session, option, value, says=(option, "--tool"))
+            self.refuse("touch", "cube", *self.session, option, value, status=2, says=(option, "--tool"))
         for option in ("--shading", "--lists"):
-            self.refuse("touch", "cube", *self.session, option, says=(option, "--tool"))
+            self.refuse("touch", "cube", *self.session, option, status=2, says=(option, "--tool"))
         for option in ("--tool-scale", "--turn", "--max-torque", "--clearance"):
             self.refuse("touch", "cube", "--tool", "cube", "--device", "hand:press", option, "nan", status=2, says=option)
-        self.refuse("touch", "cube", *self.session, "--max-work", 50, says="max_work must be at least 100")
-        self.refuse("touch", "cube", "--tool", "cube", "--device", "udp:0", "--turn", 3, says="--turn")
+        for work in ("99", "-1", "1.5", "0x64"):
+            self.refuse("touch", "cube", *self.session, "--max-work", work, status=2, says="--max-work")
+        self.refuse("touch", "cube", "--tool", "cube", "--device", "udp:0", "--turn", 3, status=2, says="--turn")
         self.refuse("touch", "cube", *self.session, "--ticks", self.folder / "a.txt", says=".csv")
         self.refuse("touch", "cube", "--tool", "cube", "--device", "hand:press", "--seconds", 86400, "--ticks",
                     self.folder / "a.csv", says=("--ticks", "GB"))
-        self.refuse("touch", "cube", "--device", "hand:press", "--turn", 3, says=("--turn", "--tool"))
+        self.refuse("touch", "cube", "--device", "hand:press", "--turn", 3, status=2, says=("--turn", "--tool"))
         self.refuse("touch", "cube", *self.session, "--record", self.folder / "a.txt", says=".pxt")
         self.refuse("touch", "cube", "--tool", "missing.obj", "--device", "hand:press", says=("missing.obj",))
         flawed = self.file("flawed.off", "OFF\n3 1 0\n0 0 0\n1 0 0\n0 nan 0\n3 0 1 2\n")
