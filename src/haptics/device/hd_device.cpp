@@ -181,7 +181,7 @@ private:
     HdError first_force_error_;
     HdError first_loss_;
     bool is_lost_ = false; ///< to be said by the next reading
-    HdError start_error_; ///< of the scheduler's start: ticks leave it alone
+    HdError start_error_;  ///< of the scheduler's start: ticks leave it alone
     std::uint64_t force_errors_ = 0;
     double rate_ = usual_rate;  ///< Hz, of the session
     std::uint64_t resting_ = 0; ///< ticks in which forces rest after an error
