@@ -30,9 +30,9 @@ constexpr int wrong_usage = 2;
 constexpr int first_signal_status = 128;
 
 /// Those that name a file which Session::check_outputs is told of, of all commands.
-constexpr std::array<std::string_view, 12> output_options = {
-    "--json", "--out",    "--picture",    "--save",  "--pairs",     "--contour",
-    "--map",  "--record", "--vertex-map", "--ticks", "--histogram", "--budget-curve"};
+constexpr std::array<std::string_view, 13> output_options = {
+    "--json",   "--out",        "--picture", "--save",      "--pairs",        "--contour", "--map",
+    "--record", "--vertex-map", "--ticks",   "--histogram", "--budget-curve", "--state"};
 
 /// Text that goes to stderr in pieces, without allocating.
 class StderrLine {
@@ -179,7 +179,7 @@ int run(const Command& command, const CommonOptions& options)
     Status status;
     if (!options.simd.empty()) {
         status = choose_simd_target(options.simd);
-        if (!status) status.error().where = "--simd";
+        if (!status) status.error().where = "--simd (or PROXIMA_SIMD)";
     }
     if (status) status = session.check_outputs({});
     if (status) status = command.run(session);

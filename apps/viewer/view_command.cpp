@@ -50,6 +50,10 @@ void check_usage(const ViewOptions& options)
     Viewer viewer;
     if (const Status status = prepare(viewer, options); !status)
         throw CLI::ValidationError("view", describe(status.error()));
+    if (options.list_controls && !(options.picture.empty() && options.out.empty())) {
+        throw CLI::ValidationError(
+            "--controls", "lists settings and draws nothing: leave --picture and --out out");
+    }
     if (!options.list_controls && !options.needs_window() && options.models.empty())
         throw CLI::RequiredError("MODEL");
 }
@@ -121,13 +125,9 @@ Status list_controls(const ViewOptions& options, Session& session)
 
 Status run_view(const ViewOptions& options, Session& session)
 {
-    if (options.list_controls && !(options.picture.empty() && options.out.empty())) {
-        return fail(ErrorCode::invalid_argument,
-                    "lists settings and draws nothing: leave --picture and --out out",
-                    "--controls");
-    }
     if (options.list_controls) return list_controls(options, session);
-    if (Status status = session.check_outputs({options.picture, options.out}); !status)
+    if (Status status = session.check_outputs({options.picture, options.out, options.state});
+        !status)
         return status;
     if (Status status = check_picture(options.picture, options.camera); !status) return status;
     if (!options.out.empty() && lower_case_extension(options.out) != ".glb") {

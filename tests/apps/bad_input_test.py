@@ -274,6 +274,7 @@ class Outputs(ProgramTest):
                         ("cull", "cube", "--plane", "1,0,0,0", "--up", "x"),
                         ("cull", "cube", "--plane", "1,0,0,0", "--size", "30x30"),
                         ("repair", "cube", "--no-outward", "--no-cavities"),
+                        ("view", "cube", "--controls", "--picture", self.folder / "a.png"),
                         ("touch", "cube", "--device", "hand:press", "--list-devices"),
                         ("touch", "--list-devices", "--record", self.folder / "lost.pxt"),
                         ("touch", "--list-devices", "--self-test")):
@@ -310,7 +311,7 @@ class Outputs(ProgramTest):
         kept = {path: path.read_bytes() for path in (mesh, points, session)}
         for arguments in (("patch", mesh, "--point", "0,0,0", "--rings", 1, "--out", again),
                           ("closest", mesh, "--points", points, "--out", points),
-                          ("octree", mesh, "--json", mesh), ("check", mesh, "--json", mesh),
+                          ("octree", mesh, "--json", mesh), ("check", mesh, "--json", mesh), ("view", mesh, "--state", mesh),
                           ("touch", "cube", "--device", f"replay:{session}", "--json", session),
                           ("minkowski", mesh, "cube", "--out", mesh)):
             with self.subTest(arguments):

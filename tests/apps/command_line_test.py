@@ -416,7 +416,7 @@ class Parser(ProgramTest):
             self.assertEqual(answers("--simd", name), answers())
         self.assertEqual(answers("--simd", names[-1].lower()), answers())
         self.refuse("closest", "sphere:20x20", "--points", points, "--simd", "AVX9",
-                    says="--simd: no instruction set AVX9: this machine has " + ", ".join(names))
+                    says="--simd (or PROXIMA_SIMD): no instruction set AVX9: this machine has " + ", ".join(names))
 
     def test_wrong_usage_has_status_2(self):
         self.refuse(status=2, says="subcommand")

@@ -375,6 +375,7 @@ class Stopping(ProgramTest):
         with subprocess.Popen([PROXIMA, "touch", "cube", "--device", "hand:press", "--seconds", "60", "--json", "-"],
                               stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as process:
             while not has_signal(process.pid, "SigCgt", signal.SIGINT):
+                self.assertIsNone(process.poll())
                 time.sleep(0.01)
             time.sleep(0.3)
             yield process
@@ -393,11 +394,11 @@ class Stopping(ProgramTest):
                 process.send_signal(signal.SIGINT)
                 passed = time.monotonic() - begin
                 text, error = process.communicate(timeout=60)
-            if passed < 0.2:
+            if passed < 0.03:  # while the force fades, and long before a quarter of a second
                 self.assertEqual((process.returncode, error), (0, ""))
                 self.assertTrue(json.loads(text)["interrupted"])
                 return
-        self.fail("two signals never came within 0.2 s")
+        self.fail("two signals never came within 0.03 s")
 
     def test_a_signal_that_comes_again_later_ends_the_program(self):
         for _ in range(20):  # a busy machine may come to stop it after its end

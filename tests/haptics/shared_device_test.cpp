@@ -108,6 +108,7 @@ TEST(HdDevice, ALossWhileTheForceIsSetIsSaidByTheNextReading)
     auto device = open_hd_device({.library = STUB_HD});
     ASSERT_TRUE(device);
     stub.state.write_fault = 10;
+    stub.state.write_refusal = 20; // is no loss
     std::vector<std::uint64_t> losses;
     (void)(*device)->run({.ticks = 30}, [&](std::uint64_t number) {
         if ((*device)->read().state.condition == InputCondition::gone) losses.push_back(number);
@@ -116,7 +117,8 @@ TEST(HdDevice, ALossWhileTheForceIsSetIsSaidByTheNextReading)
     });
     EXPECT_EQ(losses, std::vector<std::uint64_t>{10}); // from 0, and the stub counts from 1
     EXPECT_EQ((*device)->trouble(),
-              "the driver lost the device: Device fault (error 768, internal -42)");
+              "the driver lost the device: Device fault (error 768, internal -42); the driver "
+              "refused a call: Invalid value (error 257, internal -42)");
 }
 
 TEST(HdDevice, TellsForceErrorsFromLosses)

@@ -1,5 +1,7 @@
 #include "haptics/device/udp_device.h"
 
+#include "haptics/device/remote_servo.h"
+
 #include "haptics/device_session.h"
 #include "haptics/listening_device.h"
 
@@ -269,23 +271,45 @@ TEST(UdpDevice, ItsEndTakesTheForceAway)
 {
     auto device = listening_device();
     UdpSocket hand = *UdpSocket::listen({});
-    const auto address = parse_udp_address(device->info().name.substr(4));
-    ASSERT_TRUE(address);
-    ASSERT_TRUE(hand.send(encode(state_packet(7)), *address));
-    EXPECT_EQ(device->read().sample, 1U);
-    device->write({.force = {1, 2, 3}});
-    device.reset();
-    std::array<std::byte, reply_packet_size> bytes{};
-    for (const Vec3& force : {Vec3(1, 2, 3), Vec3(0, 0, 0)}) {
-        ASSERT_TRUE(hand.receive(bytes));
-        ReplyPacket reply;
-        ASSERT_EQ(decode(bytes, reply), PacketFault::none);
-        EXPECT_EQ(reply.sequence, 7U);
-        EXPECT_EQ(reply.command.force, force);
+    auto address = parse_udp_address(device->info().name.substr(4));
+    // A tip 1 mm below a floor; the force is given, and then has faded.
+    DeviceCommand pressed = {.force = {0, 0, 0.5}, .stiffness = 500};
+    pressed.planes[0].normal = Vec3::UnitZ();
+    pressed.plane_count = 1;
+    for (const double scale : {1.0, 0.0}) {
+        RemoteServo servo(3.3);
+        std::array<std::byte, reply_packet_size> bytes{};
+        double now = 0;
+        const auto feel = [&] {
+            EXPECT_TRUE(hand.receive(bytes));
+            ReplyPacket reply;
+            EXPECT_EQ(decode(bytes, reply), PacketFault::none);
+            servo.take(reply, now);
+            return reply;
+        };
+        const auto force = [&] {
+            now += 1e-3;
+            return servo.force({0, 0, -1e-3}, Vec3::Zero(), now).norm();
+        };
+        ASSERT_TRUE(hand.send(encode(state_packet(7)), *address));
+        EXPECT_EQ(device->read().sample, 1U);
+        pressed.force_scale = scale;
+        device->write(pressed);
+        EXPECT_EQ(feel().command.force, pressed.force);
+        double last = 0;
+        for (int tick = 0; tick < 15; ++tick) last = force();
+        EXPECT_GE(last, 0.1 * scale);
+        device.reset();
+        const ReplyPacket end = feel();
+        EXPECT_EQ(end.sequence, 7U);
+        EXPECT_EQ(end.command.condition, InputCondition::released);
+        for (int tick = 0; tick < 50; ++tick) EXPECT_EQ(force(), 0) << scale;
+        EXPECT_FALSE(hand.receive(bytes));
+        device = listening_device();
+        address = parse_udp_address(device->info().name.substr(4));
     }
-    EXPECT_FALSE(hand.receive(bytes));
     // One that nobody has sent to has nobody to tell.
-    device = listening_device();
+    std::array<std::byte, reply_packet_size> bytes{};
     device.reset();
     EXPECT_FALSE(hand.receive(bytes));
 }

@@ -52,8 +52,7 @@ constexpr HdEnum calibration_needs_hands = 0x5002;
 /// Errors of forces: too large, too sudden, too fast, motors too warm. The driver stops the force.
 constexpr unsigned int first_force_error = 0x0200;
 constexpr unsigned int last_force_error = 0x0204;
-/// Errors of devices: faults and lost connections.
-constexpr unsigned int first_device_error = 0x0300;
+/// Errors of devices, from 0x0300 on: faults and lost connections.
 constexpr unsigned int last_device_error = 0x03FF;
 
 /// Hz: the driver's, unless it is given another one that it has.
@@ -180,8 +179,9 @@ private:
     DeviceReading reading_;
     HdError first_force_error_;
     HdError first_loss_;
-    bool is_lost_ = false; ///< to be said by the next reading
-    HdError start_error_;  ///< of the scheduler's start: ticks leave it alone
+    HdError first_refusal_; ///< of a call by write(), for another reason
+    bool is_lost_ = false;  ///< to be said by the next reading
+    HdError start_error_;   ///< of the scheduler's start: ticks leave it alone
     std::uint64_t force_errors_ = 0;
     double rate_ = usual_rate;  ///< Hz, of the session
     std::uint64_t resting_ = 0; ///< ticks in which forces rest after an error
@@ -275,9 +275,11 @@ void HdDevice::write(const DeviceCommand& command) noexcept
     const std::array<double, 3> force = {command.force.x(), command.force.y(), command.force.z()};
     api_.set_doubles(current_force, force.data());
     api_.end_frame(handle_);
-    if (const HdError error = api_.get_error(); error.code != 0) {
+    const HdError error = api_.get_error();
+    if (error.code >= first_force_error && error.code <= last_device_error) {
         note(error);
-        is_lost_ = error.code >= first_device_error && error.code <= last_device_error;
+    } else if (first_refusal_.code == 0) {
+        first_refusal_ = error;
     }
 }
 
@@ -294,14 +296,13 @@ std::string HdDevice::trouble() const
     if (stalled_)
         return "the driver's scheduler stopped calling: check that the device is plugged in";
     std::string said;
+    const auto say = [&](const std::string& words) { said += (said.empty() ? "" : "; ") + words; };
     if (force_errors_ > 0) {
-        said = concat("the driver stopped the force ", force_errors_,
-                      " times: ", hd_text(api_.get_error_string(first_force_error_.code)));
+        say(concat("the driver stopped the force ", force_errors_,
+                   " times: ", hd_text(api_.get_error_string(first_force_error_.code))));
     }
-    if (first_loss_.code != 0) {
-        said += concat(said.empty() ? "" : "; ",
-                       "the driver lost the device: ", description(first_loss_));
-    }
+    if (first_loss_.code != 0) say("the driver lost the device: " + description(first_loss_));
+    if (first_refusal_.code != 0) say("the driver refused a call: " + description(first_refusal_));
     return said;
 }
 

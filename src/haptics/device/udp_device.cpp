@@ -137,7 +137,7 @@ UdpDevice::~UdpDevice()
 {
     if (report_.accepted == 0) return;
     unanswered_ = true;
-    write({}); // once more, without a force
+    write({.condition = InputCondition::released, .force_scale = 0}); // once more, without a force
 }
 
 std::string UdpDevice::trouble() const

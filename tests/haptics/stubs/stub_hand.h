@@ -24,8 +24,9 @@ struct State {
     long nan = never;  ///< for ten ticks
     long jump = never; ///< a metre away, for good
     long freeze = never;
-    long stall = never;       ///< the library calls no more
-    long write_fault = never; ///< the frame of this tick ends with an error of the device
+    long stall = never;         ///< the library calls no more
+    long write_fault = never;   ///< the frame of this tick ends with an error of the device
+    long write_refusal = never; ///< likewise, of a value
     long force_error = never;
     long fail_open = never;   ///< anything but never
     long fail_enable = never; ///< likewise: forces cannot be enabled

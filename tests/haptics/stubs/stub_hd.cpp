@@ -78,6 +78,7 @@ void hdEndFrame(unsigned int)
 {
     if (!in_frame) error = frame_error;
     if (stub_state.ticks == stub_state.write_fault) error = device_fault;
+    if (stub_state.ticks == stub_state.write_refusal) error = invalid_value;
     in_frame = false;
 }
 #endif
