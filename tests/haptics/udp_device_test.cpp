@@ -1,7 +1,6 @@
 #include "haptics/device/udp_device.h"
 
 #include "haptics/device/remote_servo.h"
-
 #include "haptics/device_session.h"
 #include "haptics/listening_device.h"
 
@@ -272,7 +271,7 @@ TEST(UdpDevice, ItsEndTakesTheForceAway)
     auto device = listening_device();
     UdpSocket hand = *UdpSocket::listen({});
     auto address = parse_udp_address(device->info().name.substr(4));
-    // A tip 1 mm below a floor; the force is given, and then has faded.
+    // A tip is 1 mm below a floor. Its device ends while the force pushes it, then after it has faded.
     DeviceCommand pressed = {.force = {0, 0, 0.5}, .stiffness = 500};
     pressed.planes[0].normal = Vec3::UnitZ();
     pressed.plane_count = 1;

@@ -2,6 +2,7 @@
 #include "viewer/window/file_panel.h"
 
 #include "folder_test.h"
+#include "viewer/imgui_context.h"
 
 #include <imgui.h>
 
@@ -15,18 +16,9 @@ protected:
         FolderTest::SetUp();
         before_ = std::filesystem::current_path();
         std::filesystem::current_path(folder());
-        ImGui::CreateContext();
-        ImGuiIO& io = ImGui::GetIO();
-        io.IniFilename = nullptr;
-        io.DisplaySize = {800, 600};
-        unsigned char* pixels = nullptr;
-        int width = 0;
-        int height = 0;
-        io.Fonts->GetTexDataAsAlpha8(&pixels, &width, &height);
     }
     void TearDown() override
     {
-        ImGui::DestroyContext();
         std::filesystem::current_path(before_);
         FolderTest::TearDown();
     }
@@ -53,6 +45,7 @@ protected:
     FilePanel panel{[] {}};
 
 private:
+    testing::ImguiContext context_;
     std::filesystem::path before_;
 };
 

@@ -1,6 +1,8 @@
 // Clicks of the mouse as ImGui sees them, without a window, however slow its frames are.
 #include "viewer/window/imgui_mouse.h"
 
+#include "viewer/imgui_context.h"
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <imgui.h>
@@ -11,26 +13,14 @@
 namespace proxima::imgui_mouse_test {
 namespace {
 
-using testing::ElementsAre;
+using ::testing::ElementsAre;
 using Seconds = ImguiMouse::Seconds;
 
 constexpr float frame = 0.4F; // seconds: longer than a double-click may take
 
-class ImguiMouseTest : public testing::Test {
+class ImguiMouseTest : public ::testing::Test {
 protected:
-    void SetUp() override
-    {
-        ImGui::CreateContext();
-        ImGuiIO& io = ImGui::GetIO();
-        io.IniFilename = nullptr;
-        io.DisplaySize = {800, 600};
-        io.DeltaTime = frame;
-        unsigned char* pixels = nullptr;
-        int width = 0;
-        int height = 0;
-        io.Fonts->GetTexDataAsAlpha8(&pixels, &width, &height);
-    }
-    void TearDown() override { ImGui::DestroyContext(); }
+    ImguiMouseTest() { ImGui::GetIO().DeltaTime = frame; }
 
     void add(int button, bool is_down, double seconds, Seconds deaf = Seconds(0.0))
     {
@@ -42,7 +32,7 @@ protected:
         add(0, false, seconds, deaf);
     }
 
-    /// One frame: what ImGui saw of the left button, of the right one, and where the mouse is.
+    /// Draws a frame, and returns what ImGui saw of the left and the right button in it.
     std::string draw()
     {
         ImGuiIO& io = ImGui::GetIO();
@@ -59,7 +49,8 @@ protected:
         ImGui::Render();
         return seen;
     }
-    /// Of all frames until there is no more.
+
+    /// Draws frames until ImGui has seen all that was added, and returns what it saw in each.
     std::vector<std::string> draw_all()
     {
         std::vector<std::string> seen;
@@ -71,6 +62,8 @@ protected:
     ImguiMouse mouse;
 
 private:
+    testing::ImguiContext context_;
+
     static ImguiMouse::Time at(double seconds)
     {
         return ImguiMouse::Time(
