@@ -4,7 +4,10 @@
 #include "folder_test.h"
 #include "viewer/imgui_context.h"
 
+#include <algorithm>
+#include <chrono>
 #include <imgui.h>
+#include <thread>
 
 namespace proxima::file_panel_test {
 namespace {
@@ -27,7 +30,7 @@ protected:
     std::optional<std::string> draw()
     {
         ImGui::NewFrame();
-        std::vector<WidgetBounds> widgets;
+        widgets.clear();
         auto chosen = panel.draw(0, 0, 500, 500, widgets);
         ImGui::Render();
         return chosen;
@@ -42,7 +45,19 @@ protected:
         for (int frame = 0; frame < 3; ++frame) EXPECT_EQ(draw(), std::nullopt);
     }
 
+    /// Draws until the list shows `name`, and says where it stands.
+    WidgetBounds found(const std::string& name)
+    {
+        for (;;) {
+            EXPECT_EQ(draw(), std::nullopt);
+            const auto at = std::ranges::find(widgets, name, &WidgetBounds::name);
+            if (at != widgets.end()) return *at;
+            std::this_thread::sleep_for(std::chrono::milliseconds(1)); // a thread lists the folder
+        }
+    }
+
     FilePanel panel{[] {}};
+    std::vector<WidgetBounds> widgets; ///< of the last frame
 
 private:
     testing::ImguiContext context_;
@@ -68,6 +83,18 @@ TEST_F(FilePanelTest, EntersAFolderAndOpensAFile)
     type((path("cubes") / "a.obj").c_str());
     panel.enter();
     EXPECT_EQ(draw(), (path("cubes") / "a.obj").string());
+}
+
+TEST_F(FilePanelTest, ShowsTheListAtOnePlaceHoweverLongTheFoldersNameIs)
+{
+    panel.open();
+    const float short_name = found("../").y;
+    const std::filesystem::path folder = path(std::string(150, 'a')) / std::string(150, 'b') /
+                                         "\u00e4\u00f6\u00fc" / std::string(200, 'c');
+    std::filesystem::create_directories(folder / "last");
+    panel.go_to(folder);
+    EXPECT_EQ(found("last/").y, short_name + ImGui::GetTextLineHeightWithSpacing());
+    EXPECT_EQ(found("../").y, short_name);
 }
 
 TEST_F(FilePanelTest, ForgetsAnEnterAsItCloses)

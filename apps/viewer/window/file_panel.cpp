@@ -106,7 +106,7 @@ std::optional<std::string> FilePanel::draw(float x, float y, float width, float 
     wrapped(concat("A file (", known_mesh_extensions(),
                    "), a folder, or a built-in: ", sample_mesh_names()));
     ImGui::Separator();
-    wrapped(list_.folder.string());
+    end_of_line(list_.folder.string()); // the list stays where it is as folders change
     if (auto clicked = draw_list(-1.0F, widgets)) result = std::move(clicked);
     ImGui::End();
     return result;

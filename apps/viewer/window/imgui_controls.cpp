@@ -43,6 +43,35 @@ void wrapped_problem(std::string_view text)
     ImGui::PopStyleColor();
 }
 
+void end_of_line(std::string_view text)
+{
+    const auto width = [](std::string_view part) {
+        return ImGui::CalcTextSize(part.data(), part.data() + part.size()).x;
+    };
+    constexpr std::string_view left_out = "...";
+    const float room = ImGui::GetContentRegionAvail().x;
+    if (width(text) <= room) {
+        ImGui::TextUnformatted(text.data(), text.data() + text.size());
+        return;
+    }
+    const auto is_within_a_character = [](char byte) {
+        return (static_cast<unsigned char>(byte) & 0xC0U) == 0x80U;
+    };
+    std::string_view end = text;
+    do {
+        end.remove_prefix(1);
+        while (!end.empty() && is_within_a_character(end.front())) end.remove_prefix(1);
+    } while (!end.empty() && width(left_out) + width(end) > room);
+    const std::string shown = concat(left_out, end);
+    ImGui::TextUnformatted(shown.data(), shown.data() + shown.size());
+    if (!ImGui::IsItemHovered()) return;
+    ImGui::BeginTooltip();
+    ImGui::PushTextWrapPos(35.0F * ImGui::GetFontSize());
+    ImGui::TextUnformatted(text.data(), text.data() + text.size());
+    ImGui::PopTextWrapPos();
+    ImGui::EndTooltip();
+}
+
 bool ImguiControls::note(std::string_view name, std::string value, bool changed)
 {
     add_widget(std::string(name), std::move(value), widgets_);

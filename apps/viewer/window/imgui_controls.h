@@ -27,6 +27,10 @@ void wrapped(std::string_view text);
 /// The same in red.
 void wrapped_problem(std::string_view text);
 
+/// As much of the text's end as one line holds, after "..." where its beginning is left out; the mouse over
+/// it shows the whole. So that what stands below does not move as the text changes. The text is UTF-8.
+void end_of_line(std::string_view text);
+
 /// To be used within a window of ImGui, anew for each frame.
 class ImguiControls final : public Controls {
 public:
