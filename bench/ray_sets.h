@@ -1,7 +1,8 @@
 // The sets of rays that casting is timed with.
 //
-//     coherent    primary rays of a square camera, the model's longest side filling the frame, row
-//     by row incoherent  between two points uniform on the sphere around the mesh's box
+//     coherent    primary rays of a square camera, the model's longest side filling the frame,
+//                 row by row
+//     incoherent  between two points uniform on the sphere around the mesh's box
 //
 // All numbers are floats, so that every peer casts the same rays.
 #pragma once

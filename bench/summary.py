@@ -43,6 +43,10 @@ def main(path):
             if "seconds_per_pair" in runs[0]:
                 per_pair = statistics.median(run["seconds_per_pair"] for run in runs)
                 notes.append(f"{1e9 * per_pair:.0f} ns/(triangle, cell)")
+            if "hash" in runs[0]:
+                hashes = sorted({f"{round(run['hash']):x}" for run in runs})
+                notes.append(f"{runs[0]['vertices']:.0f} vertices, {runs[0]['triangles']:.0f} triangles, hash "
+                             + " or ".join(hashes))
             if runs[0].get("label"):
                 notes.append(runs[0]["label"])
             print(f"  {method:24s} {wall[method]:10.3f} {unit} {cpu[method]:10.3f} {unit} "

@@ -152,7 +152,7 @@ int main(int argc, char** argv) // NOLINT(bugprone-exception-escape): ends the p
             ->check(CLI::PositiveNumber)
             ->capture_default_str();
         app.add_option("--radius", options.race.radius, "Of the proxy, m")->capture_default_str();
-        app.add_option("--keep", options.race.keep, "Folder of octrees built before, and to come")
+        app.add_option("--keep", options.race.keep, "Folder of indexes built before, and to come")
             ->check(CLI::ExistingDirectory);
         app.add_option("--mesh", options.meshes, "Files, .pxi among them, or built-ins");
         app.add_option("--slowest", options.slowest,

@@ -74,8 +74,8 @@ Status join(std::vector<OctreeOutput>& chunks, const std::vector<std::size_t>& b
     }
     if (std::max(nodes, references) > std::numeric_limits<std::uint32_t>::max() / 2) {
         return fail(ErrorCode::limit_exceeded,
-                    "the octree needs more than 2^31 triangle references: lower the depth or "
-                    "raise the threshold");
+                    "the octree needs more than 2^31 cells or triangle references: lower the depth "
+                    "or raise the threshold");
     }
     output.nodes.resize(nodes);
     output.references.resize(references);

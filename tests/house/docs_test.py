@@ -102,7 +102,7 @@ class Manual(unittest.TestCase):
 
     def test_papers_are_in_the_bibliography(self):
         keys = set(re.findall(r"^\| ([a-z][\w-]*)", (ROOT / "docs/bibliography.md").read_text(), flags=re.MULTILINE))
-        cited = {(page.name, key) for page in PAGES
+        cited = {(page.name, key) for page in PAGES + SOURCES
                  for key in re.findall(r"\b([a-z]+(?:-[a-z]+)?-(?:19|20)\d\d)\b", page.read_text())}
         self.assertEqual(sorted(pair for pair in cited if pair[1] not in keys), [])
 

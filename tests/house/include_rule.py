@@ -34,7 +34,8 @@ FOREIGN = {"Eigen": None, "hwy": {"base"}, "tl": None, "xxhash.h": None, "sys": 
            "sanitizer": {"base"}, "tbb": {"base"}, "oneapi": {"base"}, "assimp": {"mesh"}}
 THREAD_LIBRARY = {"tbb", "oneapi"}
 THREADS = "src/base/parallel.cpp"
-FOREIGN_TO_ALL_BUT_APPS = {"CLI", "fmt", "nlohmann", "png.h", "GLFW", "epoxy", "imgui.h", "pybind11", "gtest"}
+FOREIGN_TO_ALL_BUT_APPS = {"CLI", "fmt", "nlohmann", "png.h", "GLFW", "epoxy", "imgui.h", "pybind11", "gtest",
+                           "cairo.h", "cairo-pdf.h", "cairo-svg.h", "pango"}
 
 # Public headers and the layer that implements them.
 PUBLIC = {

@@ -30,7 +30,7 @@ inline constexpr float leaf_size = -1;
 
 // Bounds of the boxes' tests, u = 2^-24, in units of the frames: what is farther apart is apart.
 //
-// A block's box is drawn outward by 20 u of the index's units (build_mesh_index.cpp). Its centre c =
+// A block's box is drawn outward by 20 u of the index's units (block_boxes.cpp). Its centre c =
 // (origin + 32768 step) + (lower + upper) (step / 2) is off by 1.01 u for the first sum, 2.1 u for
 // the product and 1.01 u for the last sum, its half size by 1.1 u: what is below the block is in
 // the box as computed. So take centres c, y and half sizes h, g of two boxes as they are, |y| <=

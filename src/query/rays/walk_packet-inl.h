@@ -6,7 +6,7 @@
 //
 // An interval's ends are those of rays. (p - o) r is least at one of its corners, and at the two
 // that are asked. Rounding is that of a single ray with the largest r, up to r (0.008 step + 16 u)
-// (build_mesh_index.cpp); a packet adds the second part itself, and boxes have twice the first.
+// (block_boxes.cpp); a packet adds the second part itself, and boxes have twice the first.
 
 #if defined(PROXIMA_QUERY_WALK_PACKET_INL_H) == defined(HWY_TARGET_TOGGLE)
 #ifdef PROXIMA_QUERY_WALK_PACKET_INL_H
