@@ -3,13 +3,14 @@
 
     scripts/tidy.py BUILD FILE...      BUILD: a folder with compile_commands.json
 
-Most of the time goes to the headers that a source includes, so up to forty sources of one target are joined to one
-that includes them all, or half of them where they cannot be joined. The static analyzer looks only at the source itself,
-so it is run on each alone; not on tests, for in the macros of GoogleTest it spends a minute each.
+Most of the time goes to the headers that a source includes, so up to forty sources of one target are pasted into one
+that is checked as a whole; those that do not compile with the others are pasted together in their turn. That names of
+one source hide those of another is allowed there. The static analyzer looks at no tests, for in the macros of GoogleTest
+it spends a minute each.
 
-What a source is, is its text with all that it includes, its command, and the rules. Each that passed leaves
-an empty file of that hash in BUILD/tidied, one for the analyzer and one for all other rules. A source that BUILD does not compile is checked as its neighbour
-in the compile commands would be. Exit status 1 if any source has findings.
+What a source is, is its text with all that it includes, its command, and the rules. Each that passed leaves an empty file
+of that hash in BUILD/tidied. A source that BUILD does not compile is checked as its neighbour in the compile commands
+would be. Exit status 1 if any source has findings.
 """
 import concurrent.futures
 import hashlib
@@ -26,10 +27,9 @@ TIDY = "clang-tidy-14"
 ROOT = Path(__file__).resolve().parent.parent
 JOINED = 40
 ANALYZER = "clang-analyzer-*"
-# A joined source's parts are headers to clang-tidy.
-HEADERS = r"--header-filter=(src|apps|tests|bench|fuzz)/.*\.(h|cpp)$"
-# What a part of a joined source may do, as each source of its own may: declare again, and end a namespace's names.
+# What sources in one may do, as each source of its own may: declare and include again, and hide the names of another.
 BETWEEN_SOURCES = ["readability-redundant-declaration", "readability-duplicate-include", "bugprone-suspicious-include"]
+HIDING = "-Wno-shadow"
 # What tests may do: be slow, and be plain about numbers, bytes and odd characters.
 IN_TESTS = ["performance-*", "modernize-use-emplace", "modernize-use-auto", "modernize-pass-by-value",
             "bugprone-integer-division", "bugprone-narrowing-conversions", "bugprone-misplaced-widening-cast",
@@ -68,38 +68,75 @@ def stamp_of(source, command, folder, rules):
     return hashlib.sha256(rules + said.encode() + text.stdout).hexdigest()
 
 
-def findings_of(source, command, folder, *options):
-    """What clang-tidy prints; None where the source passed."""
-    result = subprocess.run([TIDY, "--quiet", *options, str(source), "--", *command[1:]], cwd=folder, capture_output=True, text=True)
-    return None if result.returncode == 0 else result.stdout + result.stderr
+class Paste:
+    """Sources pasted into one file in `place`, or a source alone as it is."""
+
+    def __init__(self, sources, command, folder, place):
+        self.sources = sources
+        self.file = sources[0]
+        self.command = command
+        self.folder = folder
+        self.lines = [(sources[0], 0)]  # of each pasted line: its source and its number there
+        if len(sources) == 1:
+            return
+        texts = [source.read_text().splitlines() for source in sources]
+        self.lines = [(source, number) for source, text in zip(sources, texts) for number in range(1, len(text) + 1)]
+        self.file = place / (hashlib.sha256(" ".join(map(str, sources)).encode()).hexdigest()[:16] + ".cpp")
+        self.file.write_text("".join(line + "\n" for text in texts for line in text))
+        folders = dict.fromkeys(source.parent for source in sources)
+        self.command = [*command, HIDING, *(f"-iquote{folder}" for folder in folders)]
+
+    def told(self, text):
+        """With the sources' names and lines in place of the file's."""
+        if len(self.sources) == 1:
+            return text
+        return re.sub(rf"^{re.escape(str(self.file))}:(\d+)", lambda at: "{}:{}".format(*self.lines[int(at[1]) - 1]), text,
+                      flags=re.MULTILINE)
+
+    def errors(self):
+        """What the compiler says where it does not compile."""
+        result = subprocess.run([*self.command, "-fsyntax-only", str(self.file)], cwd=self.folder, capture_output=True, text=True)
+        return self.told(result.stderr) if result.returncode != 0 else ""
+
+    def findings(self):
+        """What clang-tidy prints; None where all passed."""
+        allowed = BETWEEN_SOURCES if len(self.sources) > 1 else []
+        if is_test(self.sources[0]):
+            allowed = [*allowed, *IN_TESTS, ANALYZER]
+        checks = "--checks=" + ",".join("-" + rule for rule in allowed)
+        result = subprocess.run([TIDY, "--quiet", checks, str(self.file), "--", *self.command[1:]], cwd=self.folder,
+                                capture_output=True, text=True)
+        return None if result.returncode == 0 else self.told(result.stdout + result.stderr)
 
 
 def is_test(source):
     return (ROOT / "tests") in source.parents
 
 
-def but_for(rules):
-    return "--checks=" + ",".join("-" + rule for rule in rules)
+def pastes_of(sources, command, folder, place):
+    """Pastes that compile, of all sources: those with errors among the others are pasted after them."""
+    while sources:
+        together = sources
+        while True:
+            paste = Paste(together, command, folder, place)
+            errors = paste.errors() if len(together) > 1 else ""
+            if not errors:
+                break
+            wrong = places_of(errors)
+            rest = [source for source in together if source not in wrong]
+            together = rest if 0 < len(rest) < len(together) else together[:len(together) // 2]
+        yield paste
+        sources = [source for source in sources if source not in together]
 
 
-def joined_findings(sources, command, folder, place):
-    """What all rules but the analyzer's say of sources together, or of each half where they cannot be joined."""
-    allowed = [ANALYZER, *(IN_TESTS if is_test(sources[0]) else [])]
-    if len(sources) == 1:
-        return findings_of(sources[0], command, folder, but_for(allowed))
-    together = place / (hashlib.sha256(" ".join(map(str, sources)).encode()).hexdigest()[:16] + ".cpp")
-    together.write_text("".join(f'#include "{source}"\n' for source in sources))
-    found = findings_of(together, command, folder, HEADERS, but_for([*allowed, *BETWEEN_SOURCES]))
-    if found is None or "clang-diagnostic-" not in found:
-        return found
-    middle = len(sources) // 2
-    halves = [joined_findings(half, command, folder, place) for half in (sources[:middle], sources[middle:])]
-    return "\n".join(one for one in halves if one is not None) or None
+def places_of(found):
+    """The files that findings or errors are in."""
+    return {Path(place) for place in re.findall(r"^(/.+?):\d+:\d+: (?:fatal error|error|warning): ", found, re.MULTILINE)}
 
 
 def guilty_of(sources, found):
     """Which sources findings are about: all where one is in a header, which any of them may include."""
-    places = {Path(place) for place in re.findall(r"^(/.+?):\d+:\d+: (?:error|warning): ", found, re.MULTILINE)}
+    places = places_of(found)
     return places if places and places <= set(sources) else set(sources)
 
 
@@ -130,7 +167,7 @@ def main():
     tidied.mkdir(exist_ok=True)
     commands = commands_of(build)
     rules = subprocess.run([TIDY, "--version"], capture_output=True, check=True).stdout
-    rules += (ROOT / ".clang-tidy").read_bytes() + repr((BETWEEN_SOURCES, IN_TESTS)).encode()
+    rules += (ROOT / ".clang-tidy").read_bytes() + repr((BETWEEN_SOURCES, IN_TESTS, HIDING)).encode()
     sources = [Path(name).resolve() for name in sys.argv[2:]]
 
     def check(batch):
@@ -141,24 +178,16 @@ def main():
         bad = set()
         said = []
 
-        def pass_or_tell(kind, those, found):
-            guilty = guilty_of(those, found) if found is not None else set()
+        new = [source for source in wanted if not (tidied / stamps[source]).exists()]
+        for paste in pastes_of(new, command, folder, tidied):
+            found = paste.findings()
+            guilty = guilty_of(paste.sources, found) if found is not None else set()
             bad.update(guilty)
             if found is not None:
                 said.append(found)
-            for source in those:
+            for source in paste.sources:
                 if source not in guilty and stamps[source] != "does not compile":
-                    (tidied / f"{stamps[source]}.{kind}").touch()
-
-        def new(kind):
-            return [source for source in wanted if not (tidied / f"{stamps[source]}.{kind}").exists()]
-
-        together = new("rules")
-        if together:
-            pass_or_tell("rules", together, joined_findings(together, command, folder, tidied))
-        for source in new("analyzer"):
-            if not is_test(source):
-                pass_or_tell("analyzer", [source], findings_of(source, command, folder, f"--checks=-*,{ANALYZER}"))
+                    (tidied / stamps[source]).touch()
         names = " ".join(str(source.relative_to(ROOT)) for source in wanted)
         print(f"{names}: {'FINDINGS' if bad else 'passed'}, {time.monotonic() - start:.0f} s", flush=True)
         for text in said:
