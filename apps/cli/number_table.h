@@ -30,7 +30,10 @@ struct NumberTable {
     std::vector<double> values;
     std::size_t layout = 0; ///< which of the layouts that were asked for
 
-    [[nodiscard]] std::size_t rows() const noexcept { return values.size() / columns; }
+    [[nodiscard]] std::size_t rows() const noexcept
+    {
+        return columns == 0 ? 0 : values.size() / columns;
+    }
     [[nodiscard]] std::span<const double> row(std::size_t i) const noexcept
     {
         return std::span(values).subspan(columns * i, columns);

@@ -400,7 +400,7 @@ Result<CoarseBins> bin_triangles_within(std::uint64_t most_bytes, const SnappedM
                                         int depth, Threads threads, Progress* progress)
 {
     // Wide pairs are found in two levels of triangle and centre and a mask, and kept; then come ids.
-    constexpr std::uint64_t finding = 2 * 4 * sizeof(std::uint32_t) + sizeof(std::uint32_t);
+    constexpr std::uint64_t finding = 2 * (4 * sizeof(std::uint32_t)) + sizeof(std::uint32_t);
     const std::uint64_t most_wide_pairs = most_bytes / (finding + sizeof(WidePair));
     const std::uint64_t kept = most_wide_pairs * sizeof(WidePair);
     const std::uint64_t count = mesh.mesh().triangle_count();

@@ -132,9 +132,10 @@ Result<ObjectId> SceneInput::add(std::shared_ptr<const ContactBody> body,
 const char* SceneInput::motion_problem(ObjectId id, const ObjectMotion& motion) const noexcept
 {
     if (!is_rigid(motion.pose)) return "the object's pose must be a rigid transform";
-    if (!in_range(motion))
+    if (!in_range(motion)) {
         return "times of a motion must be finite and not negative, its velocity finite, and its "
                "spin at most 1e4 radians per second about each axis";
+    }
     if (!contains_coast(objects_[to_index(id)]->shape.body->bounds(), motion))
         return "the motion would take the object out of the scene's bounds";
     return nullptr;

@@ -40,9 +40,9 @@ std::uint64_t ticks_per_update(double tick_seconds) noexcept
 
 } // namespace
 
-ScriptedScene::ScriptedScene(const Box& bounds, const Box& scene_bounds,
+ScriptedScene::ScriptedScene(Box bounds, const Box& scene_bounds,
                              std::span<const ScriptedObject> objects)
-    : bounds_(bounds), scene_(scene_bounds), objects_(objects.begin(), objects.end())
+    : bounds_(std::move(bounds)), scene_(scene_bounds), objects_(objects.begin(), objects.end())
 {}
 
 Result<std::unique_ptr<ScriptedScene>> ScriptedScene::make(std::span<const TouchBody> bodies,

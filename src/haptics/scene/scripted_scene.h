@@ -57,8 +57,7 @@ public:
     void rewind() noexcept;
 
 private:
-    ScriptedScene(const Box& bounds, const Box& scene_bounds,
-                  std::span<const ScriptedObject> objects);
+    ScriptedScene(Box bounds, const Box& scene_bounds, std::span<const ScriptedObject> objects);
 
     Box bounds_;
     TouchScene scene_;

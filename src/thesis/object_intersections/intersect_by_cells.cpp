@@ -20,6 +20,7 @@ struct NodePair {
     std::uint32_t a = 0;
     std::uint32_t b = 0;
 
+    // NOLINTNEXTLINE(modernize-use-nullptr): no pointer is compared
     friend constexpr auto operator<=>(const NodePair&, const NodePair&) = default;
 };
 
@@ -28,6 +29,7 @@ struct Listing {
     TriangleId triangle{};
     std::uint32_t leaf = 0; ///< among those of A that meet leaves of B
 
+    // NOLINTNEXTLINE(modernize-use-nullptr): no pointer is compared
     friend constexpr auto operator<=>(const Listing&, const Listing&) = default;
 };
 
