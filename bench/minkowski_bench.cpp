@@ -63,7 +63,7 @@ void sum_triangles(benchmark::State& state, Sum sum)
 {
     const std::vector<Triangle> triangles = random_triangles();
     std::uint64_t planes = 0;
-    for (auto _ : state) {
+    for ([[maybe_unused]] auto iteration : state) {
         planes = 0;
         for (const Triangle& triangle : triangles)
             planes += static_cast<std::uint64_t>(sum(triangle));
@@ -108,7 +108,7 @@ void by_arcs(benchmark::State& state, int count)
     const ConvexPolyhedron a = polytope(1, count);
     const ConvexPolyhedron b = polytope(2, count);
     std::size_t facets = 0;
-    for (auto _ : state) {
+    for ([[maybe_unused]] auto iteration : state) {
         const auto sum = minkowski_sum(a, b);
         facets = sum->facet_count();
         benchmark::DoNotOptimize(sum);
@@ -122,7 +122,7 @@ void hulls_of_both(benchmark::State& state, int count)
 {
     const auto p = points_on_sphere(1, count);
     const auto q = points_on_sphere(2, count);
-    for (auto _ : state) {
+    for ([[maybe_unused]] auto iteration : state) {
         benchmark::DoNotOptimize(convex_hull(p));
         benchmark::DoNotOptimize(convex_hull(q));
     }
@@ -131,7 +131,7 @@ void hulls_of_both(benchmark::State& state, int count)
 void by_cgal(benchmark::State& state, int count)
 {
     std::size_t faces = 0;
-    for (auto _ : state) {
+    for ([[maybe_unused]] auto iteration : state) {
         std::vector<Kernel::Point_3> sums;
         sums.reserve(static_cast<std::size_t>(count) * static_cast<std::size_t>(count));
         const auto p = points_on_sphere(1, count);

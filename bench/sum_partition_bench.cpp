@@ -185,7 +185,7 @@ std::string label(const PartitionEvaluations& evaluations, std::size_t queries, 
 void by_fixed_order(benchmark::State& state, const Suite& suite)
 {
     std::size_t inside = 0;
-    for (auto _ : state) {
+    for ([[maybe_unused]] auto iteration : state) {
         inside = 0;
         for (const Case& entry : suite.cases) {
             for (const Vec3& point : entry.points)
@@ -204,7 +204,7 @@ void by_fixed_order(benchmark::State& state, const Suite& suite)
 void by_free_accepts(benchmark::State& state, const Suite& suite)
 {
     std::size_t inside = 0;
-    for (auto _ : state) {
+    for ([[maybe_unused]] auto iteration : state) {
         inside = 0;
         for (const Case& entry : suite.cases) {
             for (std::size_t i = 0; i < entry.cells.size(); ++i) {
@@ -241,7 +241,7 @@ void by_free_accepts(benchmark::State& state, const Suite& suite)
 void by_tree(benchmark::State& state, const Suite& suite)
 {
     std::size_t inside = 0;
-    for (auto _ : state) {
+    for ([[maybe_unused]] auto iteration : state) {
         inside = 0;
         for (const Case& entry : suite.cases)
             for (const Vec3& point : entry.points) inside += entry.tree.contains(point) ? 1 : 0;
@@ -300,7 +300,7 @@ LargeSuite large_suite()
 void large(benchmark::State& state, const SumPartition& partition, const std::vector<Vec3>& points)
 {
     std::size_t inside = 0;
-    for (auto _ : state) {
+    for ([[maybe_unused]] auto iteration : state) {
         inside = 0;
         for (const Vec3& point : points) inside += partition.contains(point) ? 1 : 0;
         benchmark::DoNotOptimize(inside);
@@ -319,7 +319,8 @@ void build_large(benchmark::State& state)
     std::mt19937 random(1);
     const MinkowskiSum sum =
         *minkowski_sum(round_polytope(random, 1000), round_polytope(random, 1000));
-    for (auto _ : state) benchmark::DoNotOptimize(partition_sum(sum)->split_count());
+    for ([[maybe_unused]] auto iteration : state)
+        benchmark::DoNotOptimize(partition_sum(sum)->split_count());
 }
 
 void register_suite(const std::shared_ptr<const Suite>& suite, Questions questions)

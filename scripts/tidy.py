@@ -18,6 +18,7 @@ import json
 import os
 import re
 import shlex
+import shutil
 import subprocess
 import sys
 import time
@@ -81,6 +82,11 @@ class Paste:
             return
         texts = [source.read_text().splitlines() for source in sources]
         self.lines = [(source, number) for source, text in zip(sources, texts) for number in range(1, len(text) + 1)]
+        own = own_rules(sources[0])
+        if own:  # clang-tidy looks for them in the folders above the file
+            place = place / own.parent.name
+            place.mkdir(exist_ok=True)
+            shutil.copy(own, place)
         self.file = place / (hashlib.sha256(" ".join(map(str, sources)).encode()).hexdigest()[:16] + ".cpp")
         self.file.write_text("".join(line + "\n" for text in texts for line in text))
         folders = dict.fromkeys(source.parent for source in sources)
@@ -107,6 +113,12 @@ class Paste:
         result = subprocess.run([TIDY, "--quiet", checks, str(self.file), "--", *self.command[1:]], cwd=self.folder,
                                 capture_output=True, text=True)
         return None if result.returncode == 0 else self.told(result.stdout + result.stderr)
+
+
+def own_rules(source):
+    """The file of rules for the source's folder; None where only those of all sources hold."""
+    folders = [folder for folder in source.parents if ROOT in folder.parents]
+    return next((folder / ".clang-tidy" for folder in folders if (folder / ".clang-tidy").exists()), None)
 
 
 def is_test(source):
@@ -147,12 +159,12 @@ def can_be_joined(source):
 
 
 def batches_of(sources, commands):
-    """Sources to look at together, each list with the command and folder of all."""
+    """Sources to look at together, of one command and one set of rules, each list with the command and folder of all."""
     alike = {}
     for source in sources:
         command, folder = command_of(source, commands)
         own = "" if can_be_joined(source) else str(source)
-        alike.setdefault((*command, folder, own), []).append(source)
+        alike.setdefault((*command, folder, own, own_rules(source)), []).append(source)
     for same in alike.values():
         for first in range(0, len(same), JOINED):
             yield same[first:first + JOINED], *command_of(same[first], commands)
@@ -174,7 +186,9 @@ def main():
         """How many sources of the batch there are findings about."""
         wanted, command, folder = batch
         start = time.monotonic()
-        stamps = {source: stamp_of(source, command, folder, rules) for source in wanted}
+        own = own_rules(wanted[0])
+        holding = rules + (own.read_bytes() if own else b"")
+        stamps = {source: stamp_of(source, command, folder, holding) for source in wanted}
         bad = set()
         said = []
 

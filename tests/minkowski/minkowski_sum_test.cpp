@@ -17,7 +17,6 @@ using test::dot;
 using test::exact_normal;
 using test::expect_euler;
 using test::is_zero;
-using test::operator-;
 using test::Points;
 using test::reduced;
 using test::Whole;
