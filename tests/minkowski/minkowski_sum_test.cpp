@@ -17,6 +17,7 @@ using test::dot;
 using test::exact_normal;
 using test::expect_euler;
 using test::is_zero;
+using test::operator-; // NOLINT(misc-unused-using-decls): used between vectors
 using test::Points;
 using test::reduced;
 using test::Whole;
