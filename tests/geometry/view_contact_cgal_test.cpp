@@ -25,17 +25,17 @@ protected:
     std::vector<Vec3> cloud()
     {
         std::uniform_real_distribution<double> number(-1, 1);
-        const double scale = std::ldexp(1.0, static_cast<int>(random_() % 60) - 30);
-        const double offset = random_() % 3 == 0 ? 1e3 * scale : 0;
+        const double scale = std::ldexp(1.0, static_cast<int>(random() % 60) - 30);
+        const double offset = random() % 3 == 0 ? 1e3 * scale : 0;
         std::vector<Vec3> points(12);
         for (Vec3& point : points) {
-            const double x = number(random_);
-            const double y = number(random_);
-            point = scale * Vec3(x, y, number(random_)) + Vec3::Constant(offset);
+            const double x = number(random);
+            const double y = number(random);
+            point = scale * Vec3(x, y, number(random)) + Vec3::Constant(offset);
         }
         return points;
     }
-    std::mt19937_64 random_{seed};
+    std::mt19937_64 random{seed};
 };
 
 TEST_F(NearVolumes, MeetTrianglesAsExactRationalsDo)
@@ -45,7 +45,7 @@ TEST_F(NearVolumes, MeetTrianglesAsExactRationalsDo)
     for (int trial = 0; trial < 400; ++trial) {
         SCOPED_TRACE(::testing::Message() << "seed " << seed << ", trial " << trial);
         const std::vector<Vec3> points = cloud();
-        VolumeGenerator generate(points, random_());
+        VolumeGenerator generate(points, random());
         const ViewVolume volume = generate();
         if (volume.planes().size() > 12) continue;
         ASSERT_EQ(volume.empty(), oracle_is_empty<Rational>(volume.planes()));
@@ -70,15 +70,15 @@ TEST_F(NearVolumes, TouchTrianglesAsExactRationalsDo)
 {
     std::uniform_real_distribution<double> number(-1, 1);
     const auto any = [&] {
-        const double x = number(random_);
-        const double y = number(random_);
-        return Vec3(x, y, number(random_));
+        const double x = number(random);
+        const double y = number(random);
+        return Vec3(x, y, number(random));
     };
     std::array<int, 2> seen{};
     for (int trial = 0; trial < 1500; ++trial) {
         SCOPED_TRACE(::testing::Message() << "seed " << seed << ", trial " << trial);
         const Vec3 touched = any();
-        std::vector<ViewPlane> planes(2 + random_() % 3);
+        std::vector<ViewPlane> planes(2 + random() % 3);
         for (ViewPlane& plane : planes) {
             plane.normal = any();
             plane.offset = -plane.normal.dot(touched);

@@ -47,7 +47,7 @@ class WholeShapes : public ::testing::Test {
 protected:
     double number(int reach)
     {
-        return static_cast<double>(random_() % static_cast<unsigned>(reach));
+        return static_cast<double>(random() % static_cast<unsigned>(reach));
     }
     Vec3 point(int reach)
     {
@@ -55,14 +55,14 @@ protected:
         const double y = number(reach);
         return {x, y, number(reach)};
     }
-    std::mt19937_64 random_{7}; ///< the seed
+    std::mt19937_64 random{7}; ///< the seed
 };
 
 TEST_F(WholeShapes, MeetTrianglesAsExactEliminationDoes)
 {
     Counts counts;
     for (int trial = 0; trial < 60000; ++trial) {
-        const auto planes = whole_planes(random_, 1 + random_() % 8, 12);
+        const auto planes = whole_planes(random, 1 + random() % 8, 12);
         const ViewVolume volume = make_view_volume(planes).value();
         Triangle triangle{{point(6), point(6), point(6)}};
         if (trial % 7 == 0) triangle.vertices[2] = triangle.vertices[0];
@@ -97,7 +97,7 @@ TEST_F(WholeShapes, MeetBoxesAsExactEliminationDoes)
     Counts counts;
     int within = 0;
     for (int trial = 0; trial < 20000; ++trial) {
-        const auto planes = whole_planes(random_, 1 + random_() % 8, 12);
+        const auto planes = whole_planes(random, 1 + random() % 8, 12);
         const ViewVolume volume = make_view_volume(planes).value();
         const Vec3 lower = point(6) - Vec3::Constant(3);
         const Box box{lower, lower + point(trial % 2 == 0 ? 2 : 8)};

@@ -130,9 +130,10 @@ TEST(Figures, EveryLeafThatListsFeaturesNamesThem)
     for (const QuadtreeLeaf& leaf : tree->leaves) listing += leaf.sets.empty() ? 0 : 1;
     EXPECT_EQ(texts.size(), listing + 2 * corners) << "and the polygon's own names";
     for (std::size_t i = 0; i < texts.size(); ++i) {
-        for (std::size_t k = i + 1; k < texts.size(); ++k)
+        for (std::size_t k = i + 1; k < texts.size(); ++k) {
             EXPECT_FALSE(box_of(texts[i]).intersects(box_of(texts[k])))
                 << texts[i].text << " over " << texts[k].text;
+        }
     }
 }
 
@@ -175,10 +176,11 @@ TEST(Figures, SumsInSpaceShowFacetsByOrigin)
         }
         const int own = strong[static_cast<std::size_t>(channel)];
         EXPECT_GT(own, 20000);
-        for (std::size_t k = 0; k < 3; ++k)
+        for (std::size_t k = 0; k < 3; ++k) {
             if (static_cast<int>(k) != channel) {
                 EXPECT_LT(strong[k], own / 10);
             }
+        }
     }
     const auto whole = figure_3_11({});
     ASSERT_TRUE(whole);

@@ -186,10 +186,11 @@ TEST(Panels, LegendsHaveTheColoursOfThePicture)
     EXPECT_EQ(listed, drawn);
     EXPECT_EQ(shown.viewer.legend().title, "triangles in a leaf");
     shown.set({"panel=closest"});
-    for (const SceneSurface& surface : shown.scene().surfaces)
+    for (const SceneSurface& surface : shown.scene().surfaces) {
         if (surface.name == "patch") {
             EXPECT_EQ(color_in_legend(shown, "triangles round it"), hex_of(surface.color));
         }
+    }
     for (const char* const panel :
          {"minkowski", "voronoi", "rays", "culling", "intersection", "touch"}) {
         shown.set({std::string("panel=") + panel});

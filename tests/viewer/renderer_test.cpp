@@ -150,9 +150,10 @@ TEST(Renderers, OpenGlDrawsLikeSoftware)
     for (const double away : {0.0, 1e6}) {
         for (SceneSurface& surface : scene.surfaces)
             for (Vec3& position : surface.positions) position += Vec3::Constant(away);
-        for (SceneLines& lines : scene.lines)
+        for (SceneLines& lines : scene.lines) {
             for (auto& segment : lines.segments)
                 for (Vec3& end : segment) end += Vec3::Constant(away);
+        }
         for (const double azimuth : {0.3, 2.5}) {
             const OrbitCamera camera = framed({.azimuth = azimuth}, positions_of(scene), large);
             const auto one = software->render(scene, camera, large);

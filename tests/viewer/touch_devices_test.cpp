@@ -48,10 +48,12 @@ public:
     [[nodiscard]] Vec3 proxy() const
     {
         Box box;
-        for (const SceneLayer& layer : viewer.layers())
-            for (const SceneSurface& surface : layer.scene->surfaces)
-                if (surface.name == "proxy")
-                    for (const Vec3& position : surface.positions) box.extend(position);
+        for (const SceneLayer& layer : viewer.layers()) {
+            for (const SceneSurface& surface : layer.scene->surfaces) {
+                if (surface.name != "proxy") continue;
+                for (const Vec3& position : surface.positions) box.extend(position);
+            }
+        }
         return box.empty() ? Vec3::Zero() : Vec3(box.center());
     }
 

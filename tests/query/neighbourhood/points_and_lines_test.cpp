@@ -56,48 +56,47 @@ Segments random_segments(std::mt19937& random, std::size_t points)
 
 class PointClouds : public ::testing::TestWithParam<int> {
 protected:
-    PointClouds() : random_(static_cast<std::uint32_t>(GetParam()))
+    PointClouds() : random(static_cast<std::uint32_t>(GetParam()))
     {
-        const std::size_t count = 1 + random_() % 300;
-        positions_ =
-            GetParam() % 2 == 0 ? random_points(random_, count) : grid_points(random_, count);
+        const std::size_t count = 1 + random() % 300;
+        positions = GetParam() % 2 == 0 ? random_points(random, count) : grid_points(random, count);
     }
 
     /// A position of the cloud, or near it.
     Vec3 query()
     {
-        const Vec3& position = positions_[random_() % positions_.size()];
-        return random_() % 3 == 0 ? position : Vec3(position + random_points(random_, 1)[0]);
+        const Vec3& position = positions[random() % positions.size()];
+        return random() % 3 == 0 ? position : Vec3(position + random_points(random, 1)[0]);
     }
 
-    std::mt19937 random_;
-    std::vector<Vec3> positions_;
+    std::mt19937 random;
+    std::vector<Vec3> positions;
 };
 
 TEST_P(PointClouds, ClosestPointsAreThoseOfALoop)
 {
-    const MeshIndex plain = build_mesh_index(mesh_of_points(positions_).value()).value();
+    const MeshIndex plain = build_mesh_index(mesh_of_points(positions).value()).value();
     const MeshIndex listed = with_lists(plain).value();
     for (int i = 0; i < 200; ++i) {
         const Vec3 p = query();
         std::uint32_t nearest = 0;
-        for (std::uint32_t k = 1; k < positions_.size(); ++k) {
-            if ((positions_[k] - p).squaredNorm() < (positions_[nearest] - p).squaredNorm())
+        for (std::uint32_t k = 1; k < positions.size(); ++k) {
+            if ((positions[k] - p).squaredNorm() < (positions[nearest] - p).squaredNorm())
                 nearest = k;
         }
         const auto closest = closest_feature(plain, p);
         ASSERT_TRUE(closest);
         EXPECT_EQ(closest->feature, (Feature{FeatureKind::vertex, nearest}));
         EXPECT_EQ(closest->triangle, TriangleId{nearest});
-        EXPECT_EQ(closest->point, positions_[nearest]);
+        EXPECT_EQ(closest->point, positions[nearest]);
         const auto by_lists = closest_feature(listed, p);
         ASSERT_TRUE(by_lists);
         EXPECT_EQ(by_lists->feature, closest->feature);
         EXPECT_EQ(by_lists->squared_distance, closest->squared_distance);
 
         std::vector<NearTriangle> all;
-        for (std::uint32_t k = 0; k < positions_.size(); ++k)
-            all.push_back({(positions_[k] - p).squaredNorm(), TriangleId{k}});
+        for (std::uint32_t k = 0; k < positions.size(); ++k)
+            all.push_back({(positions[k] - p).squaredNorm(), TriangleId{k}});
         std::ranges::sort(all, std::less<>());
         std::vector<NearTriangle> near(std::min<std::size_t>(7, all.size()));
         EXPECT_EQ(collect_nearest(plain, p, near).written, near.size());
@@ -106,9 +105,9 @@ TEST_P(PointClouds, ClosestPointsAreThoseOfALoop)
         const Box box{p - Vec3(0.5, 1, 0.25), p + Vec3(0.5, 1, 0.25)};
         std::set<std::uint32_t> inside;
         std::set<std::uint32_t> found;
-        for (std::uint32_t k = 0; k < positions_.size(); ++k)
-            if (box.contains(positions_[k])) inside.insert(k);
-        std::vector<TriangleId> ids(positions_.size());
+        for (std::uint32_t k = 0; k < positions.size(); ++k)
+            if (box.contains(positions[k])) inside.insert(k);
+        std::vector<TriangleId> ids(positions.size());
         const Neighbourhood written = collect_triangles(plain, box, ids);
         for (std::size_t k = 0; k < written.written; ++k) found.insert(to_index(ids[k]));
         EXPECT_EQ(found, inside);
@@ -118,13 +117,13 @@ TEST_P(PointClouds, ClosestPointsAreThoseOfALoop)
 TEST_P(PointClouds, DistancesAndContactsOfCloudsAreThoseOfALoop)
 {
     const std::vector<Vec3> others =
-        GetParam() % 2 == 0 ? random_points(random_, 50) : grid_points(random_, 20);
-    const MeshIndex a = build_mesh_index(mesh_of_points(positions_).value()).value();
+        GetParam() % 2 == 0 ? random_points(random, 50) : grid_points(random, 20);
+    const MeshIndex a = build_mesh_index(mesh_of_points(positions).value()).value();
     const MeshIndex b =
         with_slabs(build_mesh_index(mesh_of_points(others).value()).value()).value();
     double least = std::numeric_limits<double>::infinity();
     std::size_t pairs = 0;
-    for (const Vec3& p : positions_) {
+    for (const Vec3& p : positions) {
         for (const Vec3& q : others) {
             least = std::min(least, (p - q).norm());
             pairs += p == q ? 1 : 0;
@@ -139,15 +138,15 @@ TEST_P(PointClouds, DistancesAndContactsOfCloudsAreThoseOfALoop)
 
 TEST_P(PointClouds, RaysHitWhatTheyMeetExactly)
 {
-    const MeshIndex index = build_mesh_index(mesh_of_points(positions_).value()).value();
+    const MeshIndex index = build_mesh_index(mesh_of_points(positions).value()).value();
     int hits = 0;
     for (int i = 0; i < 100; ++i) {
-        const Vec3& target = positions_[random_() % positions_.size()];
+        const Vec3& target = positions[random() % positions.size()];
         Ray ray{target, Vec3::Zero()};
-        ray.direction[static_cast<int>(random_() % 3)] = 1;
+        ray.direction[static_cast<int>(random() % 3)] = 1;
         ray.origin -= 2.0 * ray.direction; // exact on the grid, rounded elsewhere
         std::size_t on_ray = 0;
-        for (const Vec3& p : positions_) {
+        for (const Vec3& p : positions) {
             const Vec3 along = p - ray.origin;
             const Vec3 aside = along - along.dot(ray.direction) * ray.direction;
             on_ray += aside == Vec3::Zero() && along.dot(ray.direction) >= 0 ? 1 : 0;
@@ -164,14 +163,14 @@ TEST_P(PointClouds, RaysHitWhatTheyMeetExactly)
 
 TEST_P(PointClouds, SegmentsAreThoseOfALoop)
 {
-    const Segments segments = random_segments(random_, positions_.size());
-    const TriangleMesh mesh = mesh_of_segments(positions_, segments).value();
+    const Segments segments = random_segments(random, positions.size());
+    const TriangleMesh mesh = mesh_of_segments(positions, segments).value();
     const MeshIndex index = with_lists(build_mesh_index(mesh).value()).value();
     for (int i = 0; i < 200; ++i) {
         const Vec3 p = query();
         double least = std::numeric_limits<double>::infinity();
         for (const auto& [v, w] : segments) {
-            const SegmentPoint nearest = closest_point(Segment{positions_[v], positions_[w]}, p);
+            const SegmentPoint nearest = closest_point(Segment{positions[v], positions[w]}, p);
             least = std::min(least, (p - nearest.point).norm());
         }
         const auto closest = closest_feature(index, p);
@@ -185,7 +184,7 @@ TEST_P(PointClouds, SegmentsAreThoseOfALoop)
 TEST_P(PointClouds, HaveNoInside)
 {
     const MeshIndex index =
-        with_signs(build_mesh_index(mesh_of_points(positions_).value()).value()).value();
+        with_signs(build_mesh_index(mesh_of_points(positions).value()).value()).value();
     for (int i = 0; i < 50; ++i) {
         const Vec3 p = query();
         const auto distance = signed_distance(index, p);

@@ -136,13 +136,13 @@ TEST(PlanarSum, LinesTouchTheFarthestPoints)
 /// Thesis 3.2 and 3.5: a triangle and a rectangle, Figures 3.1 to 3.6 and 3.14.
 class ThesisExample : public ::testing::Test {
 protected:
-    const ConvexPolygon rectangle_ = polygon_of({{-2, -1}, {2, -1}, {2, 1}, {-2, 1}});
-    const ConvexPolygon triangle_ = polygon_of({{1, 4}, {-3, -2}, {4, -3}});
+    const ConvexPolygon rectangle = polygon_of({{-2, -1}, {2, -1}, {2, 1}, {-2, 1}});
+    const ConvexPolygon triangle = polygon_of({{1, 4}, {-3, -2}, {4, -3}});
 };
 
 TEST_F(ThesisExample, HasSevenNormalsAndTwelvePoints)
 {
-    const PlanarSum sum = sum_of(rectangle_, triangle_);
+    const PlanarSum sum = sum_of(rectangle, triangle);
     EXPECT_EQ(sum.points().size(), 12U);
     ASSERT_EQ(sum.lines().size(), 7U);
     EXPECT_EQ(sum.edges().size(), 7U);
@@ -151,15 +151,15 @@ TEST_F(ThesisExample, HasSevenNormalsAndTwelvePoints)
         EXPECT_EQ(sum.touched(sum.lines()[i]).size(), 2U);
     }
     for (int k = 0; k < 12; ++k) {
-        const Vec2 expected = rectangle_.points()[static_cast<std::size_t>(k % 4)] +
-                              triangle_.points()[static_cast<std::size_t>(k / 4)];
+        const Vec2 expected = rectangle.points()[static_cast<std::size_t>(k % 4)] +
+                              triangle.points()[static_cast<std::size_t>(k / 4)];
         EXPECT_EQ(sum.points()[static_cast<std::size_t>(k)], expected);
     }
 }
 
 TEST_F(ThesisExample, IndexSevenIsCornerThreeOfTheRectangleAndOneOfTheTriangle)
 {
-    const PlanarSum sum = sum_of(rectangle_, triangle_);
+    const PlanarSum sum = sum_of(rectangle, triangle);
     const PushedLine& line = sum.lines()[0]; // of the triangle's edge from 0 to 1: the grey one
     const PlanarEdge& edge = sum.edges()[static_cast<std::size_t>(line.edge)];
     EXPECT_EQ(edge.from, 3);
@@ -171,11 +171,11 @@ TEST_F(ThesisExample, IndexSevenIsCornerThreeOfTheRectangleAndOneOfTheTriangle)
 
 TEST_F(ThesisExample, IndexTrackingFindsTheEdgesOfEverySize)
 {
-    const PlanarSum sum = sum_of(rectangle_, triangle_);
+    const PlanarSum sum = sum_of(rectangle, triangle);
     for (const double scale : {0.5, 0.25, 0.125, 4.0}) {
         Points smaller;
-        for (const Vec2& point : rectangle_.points()) smaller.emplace_back(scale * point);
-        const PlanarSum anew = sum_of(polygon_of(smaller), triangle_);
+        for (const Vec2& point : rectangle.points()) smaller.emplace_back(scale * point);
+        const PlanarSum anew = sum_of(polygon_of(smaller), triangle);
         ASSERT_EQ(anew.edges().size(), sum.edges().size());
         for (std::size_t e = 0; e < sum.edges().size(); ++e) {
             const PlanarEdge& edge = sum.edges()[e];

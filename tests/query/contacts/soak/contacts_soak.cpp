@@ -133,7 +133,7 @@ int run_soak(const ContactsSoakOptions& options)
 } // namespace
 } // namespace proxima::soak
 
-int main(int argc, char** argv)
+int main(int argc, char** argv) // NOLINT(bugprone-exception-escape): one ends it, and says so
 {
     proxima::soak::ContactsSoakOptions options;
     CLI::App app("Times of contact against fine stepping");
