@@ -81,9 +81,10 @@ TEST(SweptSphere, RejectsMotionsBeyondThePlaneOfTheTriangle)
         std::uniform_real_distribution<double> place(-1, 1);
         const auto anywhere = [&] { return Vec3{place(random), place(random), place(random)}; };
         Triangle triangle{{anywhere(), anywhere(), anywhere()}};
-        if (seed % 5 == 0) // a sliver
+        if (seed % 5 == 0) { // a sliver
             triangle.vertices[2] = triangle[0] + 0.3 * (triangle[1] - triangle[0]) +
                                    std::pow(10.0, -16 * std::abs(place(random))) * anywhere();
+        }
         const Vec3 normal = unit_normal(triangle);
         const double radius = seed % 2 == 0 ? 0.3 : 1e-9;
         // Along the plane, about as near as the radius; or anywhere.

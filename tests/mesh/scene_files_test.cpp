@@ -17,18 +17,18 @@ protected:
         if (!reads_scenes) GTEST_SKIP() << "built without assimp";
         FolderTest::SetUp();
         const fs::path corpus = fs::path(PROXIMA_SOURCE_DIR) / "fuzz" / "corpus";
-        scene_ = file_content(corpus / "gltf" / "two_tetrahedra.gltf");
+        scene = file_content(corpus / "gltf" / "two_tetrahedra.gltf");
         const std::string glb = file_content(corpus / "glb" / "two_tetrahedra.glb");
-        buffer_ = glb.substr(glb.size() - 72);
+        buffer = glb.substr(glb.size() - 72);
         fs::create_directories(path("scenes/parts"));
         for (const char* name : {"outside.bin", "scenes/buffer.bin", "scenes/parts/buffer.bin"})
-            std::ofstream(path(name), std::ios::binary) << buffer_;
+            std::ofstream(path(name), std::ios::binary) << buffer;
     }
 
     /// The scene with `uri` as its buffer.
     [[nodiscard]] std::string scene_with(const std::string& uri) const
     {
-        std::string text = scene_;
+        std::string text = scene;
         const std::size_t begin = text.find("data:");
         text.replace(begin, text.find('"', begin) - begin, uri);
         return text;
@@ -49,8 +49,8 @@ protected:
         EXPECT_EQ(mesh.error().where, path("scenes/scene.gltf").string());
     }
 
-    std::string scene_;
-    std::string buffer_;
+    std::string scene;
+    std::string buffer;
 };
 
 TEST_F(SceneFiles, AreReadBelowTheFolderOfTheScene)
@@ -69,7 +69,7 @@ TEST_F(SceneFiles, MayHaveEncodedNames)
     fs::create_directories(path("scenes/all parts"));
     for (const char* name : {"sp ace.bin", "all parts/\u00e4.bin", "50%.bin", "half%20.bin",
                              "%zz.bin", "a%2Fb.bin", "100%25.bin"})
-        std::ofstream(path("scenes") / name, std::ios::binary) << buffer_;
+        std::ofstream(path("scenes") / name, std::ios::binary) << buffer;
     for (const char* uri : {"sp%20ace.bin", "sp ace.bin", "all%20parts/%c3%A4.bin", "%62uffer.bin",
                             "50%25.bin", "50%.bin", "half%2520.bin", "half%20.bin", "%zz.bin",
                             "%25zz.bin", "a%2Fb.bin", "100%2525.bin", "100%25.bin"}) {
@@ -81,7 +81,7 @@ TEST_F(SceneFiles, MayHaveEncodedNames)
 
 TEST_F(SceneFiles, AreTheDecodedNameWhereBothExist)
 {
-    std::ofstream(path("scenes/a b.bin"), std::ios::binary) << buffer_;
+    std::ofstream(path("scenes/a b.bin"), std::ios::binary) << buffer;
     std::ofstream(path("scenes/a%20b.bin"), std::ios::binary) << "short";
     EXPECT_TRUE(read("a%20b.bin"));
     EXPECT_FALSE(read("a%2520b.bin"));
@@ -155,11 +155,11 @@ TEST_F(SceneFiles, FitTheBudgetTogether)
     fs::resize_file(path("scenes/buffer.bin"), 40'000'000);
     fs::copy_file(path("scenes/buffer.bin"), path("scenes/second.bin"));
     const std::string positions = R"("buffer":0,"byteOffset":24)";
-    const std::size_t at = scene_.find(positions);
+    const std::size_t at = scene.find(positions);
     ASSERT_NE(at, std::string::npos);
-    scene_.replace(at, 10, R"("buffer":1)");
+    scene.replace(at, 10, R"("buffer":1)");
     const auto read_within = [&](std::uint64_t bytes) {
-        return read("buffer.bin\"},{\"byteLength\":72,\"uri\":\"second.bin",
+        return read(R"(buffer.bin"},{"byteLength":72,"uri":"second.bin)",
                     {.execution = {.budget = {.bytes = bytes}}});
     };
     EXPECT_TRUE(read_within(100'000'000));

@@ -175,9 +175,11 @@ private:
         std::uint64_t count = options_.signs / meshes + 1;
         if (!of.closed) count = std::min(count, solid_angles / of.mesh.triangle_count() + 1);
         SignTally sum;
-        for (const PointSet set : {PointSet::volume, PointSet::near_surface, PointSet::boundaries})
+        for (const PointSet set :
+             {PointSet::volume, PointSet::near_surface, PointSet::boundaries}) {
             sum.add(check_points<SignTally>(maker, set, count / 3 + 1, options_.seed, ++row_,
                                             options_.execution.threads, check));
+        }
         print_signs(named.name + (of.closed ? " (closed)" : " (open)"), sum);
         all_signs_.add(sum);
     }

@@ -102,9 +102,10 @@ TriangleMesh non_manifold(std::uint64_t seed)
     std::vector<TriangleCorners> triangles;
     for (std::uint32_t book = 0; book < 40; ++book) {
         const auto first = static_cast<std::uint32_t>(positions.size());
-        for (int i = 0; i < 12; ++i)
+        for (int i = 0; i < 12; ++i) {
             positions.emplace_back(part(random) + book % 5, part(random) + 0.5 * (book % 8),
                                    part(random));
+        }
         for (std::uint32_t page = 2; page < 10; ++page)
             triangles.push_back({first, first + 1, first + page});
         for (std::uint32_t page = 3; page < 12; page += 2)

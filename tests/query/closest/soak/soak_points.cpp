@@ -116,9 +116,10 @@ Vec3 PointMaker::outside(Random& random) const
     while (true) {
         Vec3 point;
         const double reach = random() % 2 == 0 ? 3.0 : std::pow(10.0, 6 * part(random));
-        for (int axis = 0; axis < 3; ++axis)
+        for (int axis = 0; axis < 3; ++axis) {
             point[axis] = index_.parts().lists()->frame().center[axis] +
                           reach * half * (2 * part(random) - 1);
+        }
         if (!index_.parts().lists()->frame().contains(point)) return point;
     }
 }
