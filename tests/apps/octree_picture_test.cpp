@@ -13,13 +13,13 @@ namespace {
 
 class OctreePicture : public FolderTest {
 protected:
-    TriangleMesh mesh_ = *make_spaceship(4000);
-    Octree octree_ = *build_octree(mesh_, {.max_depth = 5});
+    TriangleMesh mesh = *make_spaceship(4000);
+    Octree octree = *build_octree(mesh, {.max_depth = 5});
 
     /// So many times the mesh's box.
     [[nodiscard]] Box mesh_frame(double times) const
     {
-        const Box box = bounding_box(mesh_);
+        const Box box = bounding_box(mesh);
         const Vec3 half = 0.5 * times * box.extent();
         return {box.center() - half, box.center() + half};
     }
@@ -30,15 +30,14 @@ TEST_F(OctreePicture, StopsAtEveryStage)
     testing::cancel_at_every_stage(
         [&](Progress& progress) {
             return draw_octree(
-                octree_, mesh_,
-                {.view = {.size = {200, 150}}, .execution = {.progress = &progress}});
+                octree, mesh, {.view = {.size = {200, 150}}, .execution = {.progress = &progress}});
         },
         [] { return true; }, 5);
 }
 
 TEST_F(OctreePicture, IsWrittenWholeOrNotAtAll)
 {
-    const auto image = draw_octree(octree_, mesh_, {.view = {.size = {200, 150}}});
+    const auto image = draw_octree(octree, mesh, {.view = {.size = {200, 150}}});
     ASSERT_TRUE(image);
     std::ofstream(path("a.png")) << "old";
     const auto before = testing::files_in(folder());
@@ -50,8 +49,8 @@ TEST_F(OctreePicture, IsWrittenWholeOrNotAtAll)
 TEST_F(OctreePicture, ShowsOnlyTheCellsWithoutAMesh)
 {
     const PictureOptions options{.view = {.size = {200, 150}}};
-    const auto both = draw_octree(octree_, mesh_, options);
-    const auto cells = draw_octree(octree_, TriangleMesh{}, options);
+    const auto both = draw_octree(octree, mesh, options);
+    const auto cells = draw_octree(octree, TriangleMesh{}, options);
     ASSERT_TRUE(both && cells);
     EXPECT_NE(both->bytes, cells->bytes);
     EXPECT_GT(std::ranges::count_if(cells->bytes, [](auto byte) { return byte < 150; }), 100);
@@ -59,7 +58,7 @@ TEST_F(OctreePicture, ShowsOnlyTheCellsWithoutAMesh)
 
 TEST_F(OctreePicture, ComparesDepthsFromOnePlace)
 {
-    const Octree coarse = *build_octree(mesh_, {.max_depth = 3});
+    const Octree coarse = *build_octree(mesh, {.max_depth = 3});
     const auto pixels_of_color = [&](const Octree& of, const PictureOptions& options) {
         const auto image = draw_octree(of, TriangleMesh{}, options);
         EXPECT_TRUE(image);
