@@ -159,7 +159,7 @@ Result<ScaledPlanes> normalised(std::span<const HalfSpace> given)
 /// again from its centre, as the simplex method answers to a rounded question.
 std::optional<Ball> ball_inside(const std::vector<Plane>& planes, Progress* progress)
 {
-    for (Real reach = 4; reach < 1e10L; reach *= 1e3L) {
+    for (const Real reach : {Real(4), Real(4e3), Real(4e6), Real(4e9)}) {
         const std::optional<Ball> found = largest_ball(planes, reach, progress);
         if (!found || !found->center.allFinite()) continue;
         Real radius = std::numeric_limits<Real>::infinity();
