@@ -29,7 +29,8 @@ void ask(const Octree& octree)
     const Box root = octree.box(octree.root());
     const Vec3 size = root.extent();
     for (int i = 0; i < 27; ++i) {
-        const Vec3 at(i % 3 - 0.9, i / 3 % 3 - 0.8, i / 9 - 0.7);
+        const Vec3 at =
+            Eigen::Vector3i(i % 3, i / 3 % 3, i / 9).cast<double>() - Vec3(0.9, 0.8, 0.7);
         const Vec3 origin = root.center() + size.cwiseProduct(at);
         const Ray ray{.origin = origin, .direction = root.center() - origin};
         cells_along_ray(octree, ray, [&](const CellOnRay& on) noexcept {
@@ -38,9 +39,10 @@ void ask(const Octree& octree)
         });
         const auto volume = make_perspective_volume({.eye = origin, .forward = ray.direction});
         if (!volume) continue;
-        for (const CullMode mode : {CullMode::conservative, CullMode::exact})
+        for (const CullMode mode : {CullMode::conservative, CullMode::exact}) {
             for (const VisibleCell& seen : visible_cells(octree, *volume, mode))
                 expect_exist(octree, seen.cell);
+        }
     }
 }
 
