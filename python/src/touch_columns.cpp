@@ -50,9 +50,10 @@ py::object TouchColumns::result(bool single) const
         result_type("Contacts")(array_of<std::int64_t>(std::span<const std::int64_t>(first_)),
                                 object, triangle, position, normal, pressure);
     const py::object type = result_type("Touch");
-    if (!single)
+    if (!single) {
         return type(force_, proxy_, anchor_, normal_, depth_, hold_, placed_, fault_, squeezed_,
                     contacts);
+    }
     const py::int_ row(0);
     return type(force_[row], proxy_[row], anchor_[row], normal_[row], depth_[row], hold_[row],
                 placed_[row], fault_[row], squeezed_[row], contacts);
