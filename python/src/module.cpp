@@ -43,9 +43,10 @@ void pickle_by_new_protocols(const py::module_& module)
         return object.attr("__reduce_ex__")(self, std::max(protocol, 2));
     };
     visit_classes(module, [&](const py::handle& bound, PyTypeObject*) {
-        if (!bound.attr("__dict__").contains("__reduce__"))
+        if (!bound.attr("__dict__").contains("__reduce__")) {
             bound.attr("__reduce_ex__") =
                 py::cpp_function(reduce, py::name("__reduce_ex__"), py::is_method(bound));
+        }
     });
 }
 
