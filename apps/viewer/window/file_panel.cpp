@@ -1,6 +1,7 @@
 #include "viewer/window/file_panel.h"
 
 #include "base/text.h"
+#include "cli/names.h"
 #include "proxima/mesh_io.h"
 #include "proxima/sample_meshes.h"
 #include "viewer/window/input_text.h"
@@ -106,7 +107,7 @@ std::optional<std::string> FilePanel::draw(float x, float y, float width, float 
     wrapped(concat("A file (", known_mesh_extensions(),
                    "), a folder, or a built-in: ", sample_mesh_names()));
     ImGui::Separator();
-    end_of_line(list_.folder.string()); // the list stays where it is as folders change
+    end_of_line(printable(list_.folder.string())); // the list stays where it is as folders change
     if (auto clicked = draw_list(-1.0F, widgets)) result = std::move(clicked);
     ImGui::End();
     return result;

@@ -1,6 +1,7 @@
 #include "viewer/window/imgui_controls.h"
 
 #include "base/text.h"
+#include "cli/names.h"
 #include "viewer/window/input_text.h"
 
 #include <algorithm>
@@ -54,13 +55,9 @@ void end_of_line(std::string_view text)
         ImGui::TextUnformatted(text.data(), text.data() + text.size());
         return;
     }
-    const auto is_within_a_character = [](char byte) {
-        return (static_cast<unsigned char>(byte) & 0xC0U) == 0x80U;
-    };
     std::string_view end = text;
     do {
-        end.remove_prefix(1);
-        while (!end.empty() && is_within_a_character(end.front())) end.remove_prefix(1);
+        end.remove_prefix(std::max<std::size_t>(1, utf8_length(end)));
     } while (!end.empty() && width(left_out) + width(end) > room);
     const std::string shown = concat(left_out, end);
     ImGui::TextUnformatted(shown.data(), shown.data() + shown.size());
