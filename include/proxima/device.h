@@ -194,7 +194,7 @@ using ServoTick = FunctionRef<Flow(std::uint64_t number)>;
 
 /// A device, real or not. One thread calls run(), and its tick calls read() once and then write()
 /// once. These two are noexcept, allocate nothing, take no lock and wait for nobody but a driver.
-/// The destructor sets the force to zero.
+/// The destructor of a driver sets the force to zero.
 class Device {
 public:
     Device() = default;

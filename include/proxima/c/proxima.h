@@ -114,8 +114,8 @@ PROXIMA_C_API proxima_status proxima_mesh_of_points(const double* points, size_t
 PROXIMA_C_API proxima_status proxima_mesh_of_segments(const double* points, size_t point_count,
                                                       const uint32_t* segments,
                                                       size_t segment_count, proxima_mesh** mesh);
-/* OBJ, PLY, STL or OFF, told by the extension, in double precision; 3DS, glTF and GLB where the library was built
- * with assimp. */
+/* OBJ, PLY, STL, OFF or XYZ (points), told by the extension, in double precision; 3DS, glTF and GLB where the library
+ * was built with assimp. */
 PROXIMA_C_API proxima_status proxima_mesh_read(const char* path, proxima_mesh** mesh);
 /* OBJ, PLY, STL or OFF: whole or not at all. */
 PROXIMA_C_API proxima_status proxima_mesh_write(const proxima_mesh* mesh, const char* path);
@@ -133,7 +133,7 @@ PROXIMA_C_API proxima_status proxima_mesh_bounds(const proxima_mesh* mesh, doubl
 
 /* ---- The index --------------------------------------------------------------------------------------------- */
 
-/* What an index has in addition; they change no answer. */
+/* What an index has in addition. Lists and slabs change no answer. */
 typedef enum proxima_additions {
     PROXIMA_LISTS = 1, /* closest points within a bounded time; 100 us per triangle to build */
     PROXIMA_SLABS = 2, /* distances between meshes sooner */
