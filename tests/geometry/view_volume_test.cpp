@@ -224,6 +224,7 @@ TEST(Cameras, AreRefusedWhenTheirVolumeIsEmpty)
     EXPECT_TRUE(refuses(perspective({.forward = Vec3(0, nan, 1)})));
     EXPECT_TRUE(refuses(perspective({.eye = Vec3(0, infinity, 1)})));
     EXPECT_TRUE(refuses(perspective({.up = Vec3::Zero()})));
+    EXPECT_TRUE(refuses(perspective({.up = Vec3(0, nan, 1)})));
     EXPECT_TRUE(refuses(perspective({.forward = Vec3(1, 2, 3), .up = Vec3(-2, -4, -6)})));
     for (const double angle : {0.0, -1.0, std::numbers::pi, 4.0, nan})
         EXPECT_TRUE(refuses(perspective({.field_of_view = angle})));
@@ -234,8 +235,10 @@ TEST(Cameras, AreRefusedWhenTheirVolumeIsEmpty)
     EXPECT_TRUE(refuses(perspective({.near = 1, .far = 1})));
     EXPECT_TRUE(refuses(perspective({.near = 1, .far = nan})));
     const auto orthographic = make_orthographic_volume;
-    EXPECT_TRUE(refuses(orthographic({.width = 0})));
-    EXPECT_TRUE(refuses(orthographic({.height = infinity})));
+    for (const double length : {0.0, -1.0, infinity, nan}) {
+        EXPECT_TRUE(refuses(orthographic({.width = length})));
+        EXPECT_TRUE(refuses(orthographic({.height = length})));
+    }
     EXPECT_TRUE(refuses(orthographic({.near = 2, .far = 1})));
     EXPECT_TRUE(refuses(orthographic({.up = Vec3(0, 0, 2)})));
     EXPECT_TRUE(orthographic({.near = -2, .far = -1}));

@@ -1,6 +1,7 @@
 #include "proxima/device.h"
 
 #include "counted_allocations.h"
+#include "haptics/loop/tick_account.h"
 
 #include <gtest/gtest.h>
 
@@ -39,6 +40,26 @@ TEST(LatencyHistogram, QuantilesAreWithinThreePercent)
     EXPECT_EQ(histogram.quantile(0), 0U);
 }
 
+TEST(LatencyHistogram, AddsUpAndCountsWhatIsBelowPowersOfTwo)
+{
+    LatencyHistogram some;
+    LatencyHistogram others;
+    LatencyHistogram all;
+    for (int i = 0; i < 2000; ++i) {
+        (i % 3 == 0 ? some : others).add(i * 37);
+        all.add(i * 37);
+    }
+    others.add(some);
+    EXPECT_EQ(others.count(), 2000U);
+    EXPECT_EQ(others.max(), all.max());
+    for (const double part : {0.0, 0.1, 0.5, 0.9, 1.0})
+        EXPECT_EQ(others.quantile(part), all.quantile(part)) << part;
+    LatencyHistogram ends;
+    for (const int value : {255, 256, 257}) ends.add(value);
+    EXPECT_EQ(ends.count_below(256), 1U);
+    EXPECT_EQ(ends.count_below(512), 3U);
+}
+
 TEST(ServoLoop, KeepsItsRate)
 {
     using Clock = std::chrono::steady_clock;
@@ -70,6 +91,39 @@ TEST(ServoLoop, CountsMissedTicksWithoutCatchingUp)
     EXPECT_GE(seen.skipped, 4U);
     EXPECT_GE(seen.seconds, 0.0325); // tick 29 is planned at 29 + 4 ms
     EXPECT_GE(seen.work.max(), 5'500'000U);
+    // No tick begins before its planned time, which comes later by those that were left out.
+    EXPECT_LE(1e-3 * static_cast<double>(29 + seen.skipped), seen.seconds + 1e-9);
+}
+
+TEST(ServoLoop, CountsATickThatEndsLateByLessThanAPeriod)
+{
+    const ServoStatistics seen = run_servo_loop({.rate = 10, .ticks = 4}, [](std::uint64_t i) {
+        if (i == 1) std::this_thread::sleep_for(std::chrono::milliseconds(150));
+        return Flow::proceed;
+    });
+    EXPECT_GE(seen.missed, 1U);
+    // It began in time, unless the machine is so busy that a tick begins a whole period late.
+    EXPECT_TRUE(seen.overslept == 0 || seen.late.max() >= 100'000'000U) << seen.overslept;
+}
+
+TEST(TickAccount, CountsWhatTheDriverLeftOut)
+{
+    const auto proceed = [](std::uint64_t) { return Flow::proceed; };
+    TickAccount in_time({.rate = 0.1}, proceed);
+    for (int i = 0; i < 3; ++i) (void)in_time.tick();
+    EXPECT_EQ(in_time.finish().missed, 0U);
+    EXPECT_EQ(in_time.finish().skipped, 0U);
+
+    constexpr double period = 1e7; // ns
+    TickAccount late({.rate = 100}, proceed);
+    (void)late.tick();
+    std::this_thread::sleep_for(std::chrono::milliseconds(34));
+    (void)late.tick();
+    const ServoStatistics seen = late.finish();
+    const double interval = static_cast<double>(seen.late.max()) + period;
+    EXPECT_EQ(seen.missed, 1U);
+    EXPECT_GE(seen.skipped, 2U);
+    EXPECT_NEAR(static_cast<double>(seen.skipped + 1), interval / period, 0.5 + 1e-6);
 }
 
 TEST(ServoLoop, StopsOnRequestAndDoesNotAllocate)

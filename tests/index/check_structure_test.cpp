@@ -32,6 +32,50 @@ IndexLeaf& first_leaf_of(EditableIndex& e)
     return e.blocks[at & ~index_leaf_bit].leaf;
 }
 
+IndexLeaf& last_leaf_of(EditableIndex& e)
+{
+    std::uint32_t at = e.root;
+    while ((at & index_leaf_bit) == 0) {
+        const IndexNode& node = e.blocks[at].node;
+        std::uint32_t last = index_leaf_bit;
+        for (std::uint32_t order = node.order; (order & 15U) != IndexNode::no_child; order >>= 4U)
+            last = node.children[order & 15U];
+        at = last;
+    }
+    return e.blocks[at & ~index_leaf_bit].leaf;
+}
+
+/// Of the longest way down.
+std::uint32_t levels_of(const EditableIndex& e, std::uint32_t reference)
+{
+    if ((reference & index_leaf_bit) != 0) return 1;
+    std::uint32_t below = 0;
+    for (const std::uint32_t child : e.blocks[reference].node.children)
+        if (child != index_leaf_bit) below = std::max(below, levels_of(e, child));
+    return below + 1;
+}
+
+/// Puts a node with the root as its only child in its place.
+void put_on_top(EditableIndex& e)
+{
+    IndexBlock top = e.blocks[e.root];
+    IndexNode& node = top.node;
+    node.children.fill(index_leaf_bit);
+    node.children[0] = e.root;
+    node.order = 0xFFFFFFF0;
+    node.starts.fill(0);
+    for (auto& planes : node.planes) {
+        for (std::size_t slot = 0; slot < 8; ++slot) {
+            planes[slot] = slot == 0 ? 0 : 255;
+            planes[8 + slot] = slot == 0 ? 255 : 0;
+        }
+    }
+    const BlockSlab slab = e.slabs[e.root];
+    e.root = static_cast<std::uint32_t>(e.blocks.size());
+    e.blocks.push_back(top);
+    e.slabs.push_back(slab);
+}
+
 TEST_F(CheckStructure, AcceptsASoundIndex)
 {
     EXPECT_EQ(EditableIndex(sound_index).fault(), "");
@@ -117,7 +161,22 @@ TEST_F(CheckStructure, NamesBlocksThatFormNoTree)
               e.blocks.emplace_back(e.blocks[0]);
               e.slabs.emplace_back();
           }},
-         {"it is not empty", [](EditableIndex& e) { e.blocks[0].leaf.count = 1; }}});
+         {"it is not empty", [](EditableIndex& e) { e.blocks[0].leaf.count = 1; }},
+         {"rows of no leaf", [](EditableIndex& e) { --last_leaf_of(e).count; }},
+         {"too many levels", [](EditableIndex& e) {
+              for (std::uint32_t level = 0; level <= IndexParts::max_levels; ++level) put_on_top(e);
+          }}});
+}
+
+/// A chain of nodes with one child each is a tree as long as walks have room for its levels.
+TEST_F(CheckStructure, AcceptsAsManyLevelsAsWalksHaveRoomFor)
+{
+    EditableIndex deep(sound_index);
+    const std::uint32_t below = levels_of(deep, deep.root);
+    for (std::uint32_t level = below; level < IndexParts::max_levels; ++level) put_on_top(deep);
+    EXPECT_EQ(deep.fault(), "");
+    put_on_top(deep);
+    EXPECT_NE(deep.fault().find("too many levels"), std::string::npos) << deep.fault();
 }
 
 TEST_F(CheckStructure, NamesANodeWithWrongBoxesOrOrderOfItsChildren)

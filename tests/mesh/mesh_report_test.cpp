@@ -252,6 +252,11 @@ TEST(MeshReport, FindsDegenerateTriangles)
     const MeshReport found = report(draft);
     EXPECT_EQ(kinds(found), Kinds{FindingKind::degenerate_triangles});
     EXPECT_EQ(found.findings[0].first_ids, (Ids{12, 13, 14}));
+    for (std::size_t i = 0; i < 3; ++i) {
+        const auto& [a, b, c] = draft.triangles[12 + i];
+        const Vec3 middle = (draft.positions[a] + draft.positions[b] + draft.positions[c]) / 3;
+        EXPECT_LT((found.findings[0].first_positions.at(i) - middle).norm(), 1e-15) << i;
+    }
     EXPECT_EQ(found.edges, 19U);
     EXPECT_TRUE(found.closed);
     EXPECT_EQ(found.components, 1U);

@@ -289,6 +289,15 @@ TEST(BuildOctree, RefusesInvalidMeshesAndOptions)
               std::string::npos);
     EXPECT_NE(code(cube, {.root = OctreeFrame{Vec3::Zero(), Vec3::Zero()}}).find("positive"),
               std::string::npos);
+    const double infinity = std::numeric_limits<double>::infinity();
+    for (const OctreeFrame& root : {OctreeFrame{Vec3::Constant(-9), Vec3(infinity, 20, 20)},
+                                    OctreeFrame{Vec3(-infinity, -9, -9), Vec3::Constant(20)},
+                                    OctreeFrame{Vec3::Constant(-9), Vec3(20, nan, 20)}})
+        EXPECT_NE(code(cube, {.root = root}).find("finite corners"), std::string::npos);
+    for (const double far : {-1.1e100, 1.1e100}) {
+        const auto huge = make_triangle_mesh({{0, 0, 0}, {1, 0, 0}, {0, far, 0}}, {{0, 1, 2}});
+        EXPECT_NE(code(*huge, {}).find("1e100"), std::string::npos);
+    }
     const std::string message =
         code(make_sphere(100, 100), {.max_depth = 9, .execution = {.budget = {300'000}}});
     EXPECT_NE(message.find("budget"), std::string::npos) << message;

@@ -220,6 +220,20 @@ TEST(GrowCells, RefusesWhatItCannotGrow)
     EXPECT_NE(says({Vec3::Zero(), Vec3::Ones()}, {{{}, ids}}).find("out of the root"),
               std::string::npos);
     EXPECT_NE(says({Vec3::Zero(), Vec3::Zero()}, {{{}, ids}}).find("positive"), std::string::npos);
+    const double infinity = std::numeric_limits<double>::infinity();
+    for (const OctreeFrame& root : {OctreeFrame{Vec3::Constant(-9), Vec3(infinity, 20, 20)},
+                                    OctreeFrame{Vec3(-infinity, -9, -9), Vec3::Constant(20)}})
+        EXPECT_NE(says(root, {{{}, ids}}).find("finite corners"), std::string::npos);
+    for (const double far : {-1.1e100, 1.1e100}) {
+        const TriangleMesh huge =
+            make_triangle_mesh({{0, 0, 0}, {1, 0, 0}, {0, far, 0}}, {{0, 1, 2}}).value();
+        const std::vector<TriangleId> all = {TriangleId{0}};
+        const std::vector<CellTriangles> cells = {{{}, all}};
+        const auto grown =
+            grow_cells(huge, {Vec3::Constant(-2e100), Vec3::Constant(4e100)}, cells, {});
+        ASSERT_FALSE(grown);
+        EXPECT_NE(describe(grown.error()).find("1e100"), std::string::npos);
+    }
     EXPECT_NE(says(frame, {{{}, ids}}, {.execution = {.budget = {8}}}).find("budget"),
               std::string::npos);
     Progress progress;

@@ -176,6 +176,16 @@ TEST_F(OctreeFile, ReportsWhyAFileIsRefused)
     EXPECT_EQ(save_octree(small, "/dev/full").error().code, ErrorCode::file_not_writable);
 }
 
+TEST_F(OctreeFile, HoldsTheGreatestDepth)
+{
+    const Octree octree =
+        build_octree(mesh, {.max_depth = max_octree_depth, .threshold = 100}).value();
+    (void)saved(octree);
+    const auto loaded = load_octree(path);
+    ASSERT_TRUE(loaded) << describe(loaded.error());
+    expect_equal(octree, *loaded);
+}
+
 TEST_F(OctreeFile, HoldsALargeOctree)
 {
     const TriangleMesh fine = torus_mesh(1.0, 0.4, 200, 100);

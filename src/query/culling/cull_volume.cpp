@@ -63,6 +63,13 @@ inline std::uint32_t end_of_planes(const VolumeTraversal& open, std::uint32_t bi
     return bit == last_plane_bit ? open.count : bit + 1;
 }
 
+/// Whether a mask, not empty, stands for one plane alone.
+inline bool is_one_plane(const VolumeTraversal& open, PlaneMask mask) noexcept
+{
+    const auto bit = static_cast<std::uint32_t>(std::countr_zero(mask));
+    return std::has_single_bit(mask) && end_of_planes(open, bit) == bit + 1;
+}
+
 /// Calls visit(plane) for every plane of the mask, until it returns false.
 template <class Visit>
 inline void for_planes(const VolumeTraversal& open, PlaneMask mask, const Visit& visit) noexcept
@@ -331,7 +338,7 @@ HWY_INLINE Flow cull_leaf(const Culling& culling, const PendingRows& at)
         return visible != 0;
     });
     // By a single plane both modes see the same.
-    if (culling.mode == CullMode::exact && !std::has_single_bit(at.mask))
+    if (culling.mode == CullMode::exact && !is_one_plane(culling.open, at.mask))
         sure &= nonzero_bytes(corners & each * inside);
     for (std::uint32_t unsure = visible & ~sure; unsure != 0; unsure &= unsure - 1) {
         const auto i = static_cast<std::uint32_t>(std::countr_zero(unsure));

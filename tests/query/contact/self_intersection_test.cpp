@@ -196,5 +196,25 @@ TEST(SelfIntersection, StopsAtItsLimitForAnyNumberOfThreads)
               ErrorCode::cancelled);
 }
 
+/// Rows are asked in rounds of 65,536.
+TEST(SelfIntersection, FindsPairsInEveryRoundAndExactlyAsManyAsMayBe)
+{
+    constexpr std::uint32_t count = 35'000;
+    std::vector<Vec3> positions;
+    std::vector<TriangleCorners> triangles;
+    for (std::uint32_t i = 0; i < count; ++i) {
+        const Vec3 at(3.0 * (i % 200), 3.0 * (i / 200), 0);
+        positions.insert(positions.end(), {at, at + Vec3::UnitX(), at + Vec3::UnitY()});
+        triangles.insert(triangles.end(), 2, {3 * i, 3 * i + 1, 3 * i + 2});
+    }
+    const MeshIndex index = index_of(mesh_of(positions, triangles));
+    const auto all = find_self_intersections(index, {.max_pairs = count});
+    EXPECT_TRUE(all->complete);
+    ASSERT_EQ(all->pairs.size(), count);
+    for (std::uint32_t i = 0; i < count; ++i)
+        ASSERT_EQ(all->pairs[i], (TrianglePair{TriangleId{2 * i}, TriangleId{2 * i + 1}}));
+    EXPECT_FALSE(find_self_intersections(index, {.max_pairs = count - 1})->complete);
+}
+
 } // namespace
 } // namespace proxima::self_intersection_test

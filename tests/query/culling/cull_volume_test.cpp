@@ -177,6 +177,40 @@ TEST(CullVolume, CountsTouching)
     }
 }
 
+/// Before a thin wedge come more and more planes that leave the triangles on both of its sides alone. Each of these is
+/// inside of one of its planes, none is in it.
+TEST(CullVolume, IsExactWithAnyNumberOfPlanes)
+{
+    std::vector<Vec3> positions;
+    std::vector<TriangleCorners> triangles;
+    const auto add = [&](const Vec3& a, const Vec3& b, const Vec3& c) {
+        const auto first = static_cast<std::uint32_t>(positions.size());
+        positions.insert(positions.end(), {a, b, c});
+        triangles.push_back({first, first + 1, first + 2});
+    };
+    for (int i = 0; i < 8; ++i) {
+        const double x = 0.8 + 1e-3 * i;
+        add({x, 1, 0}, {x, -1, 0}, {x, 0, 0.01});
+    }
+    for (int i = 0; i < 120; ++i) {
+        const double y = 0.1 * i - 6;
+        add({8, y, 0}, {8.1, y, 0}, {8, y, 0.1});
+    }
+    const TriangleMesh mesh = mesh_of(positions, triangles);
+    const MeshIndex index = index_of(mesh);
+    for (std::uint32_t before = 0; before <= 100; ++before) {
+        std::vector<ViewPlane> planes;
+        for (std::uint32_t i = 0; i < before; ++i) planes.push_back({-Vec3::UnitX(), 5 + 1e-3 * i});
+        planes.push_back({Vec3(0.2, -1, 0), 0.03 - 0.2});
+        planes.push_back({Vec3(0.2, 1, 0), -0.03 - 0.2});
+        const ViewVolume volume = make_view_volume(planes).value();
+        for (const CullMode mode : modes) {
+            EXPECT_EQ(visible_triangles(index, volume, mode), brute_force(mesh, volume, mode))
+                << before;
+        }
+    }
+}
+
 TEST(CullVolume, FillsASmallBufferAndReturnsTheWholeCount)
 {
     const TriangleMesh mesh = torus_mesh(1.0, 0.4, 60, 40);

@@ -496,5 +496,15 @@ TEST(MeshDistance, FindsNothingForAnEmptyMesh)
         mesh_distance(cube, cube, {}, {.farthest = std::numeric_limits<double>::quiet_NaN()}));
 }
 
+TEST(MeshDistance, FindsNothingOnceCancelled)
+{
+    const MeshIndex torus = index_of(torus_mesh(1.0, 0.4, 40, 20));
+    const RigidTransform apart = {.translation = Vec3(5, 0, 0)};
+    Progress progress;
+    EXPECT_TRUE(mesh_distance(torus, torus, apart, {.progress = &progress}));
+    progress.cancel();
+    EXPECT_FALSE(mesh_distance(torus, torus, apart, {.progress = &progress}));
+}
+
 } // namespace
 } // namespace proxima::mesh_distance_test

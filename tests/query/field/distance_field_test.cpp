@@ -90,7 +90,10 @@ void expect_single_answers(const Signed& of, const PointGrid& grid, double band 
                 const int side = orient3d(t[0], t[1], t[2], p);
                 EXPECT_NEAR(along, (single.distance > 0) == (side > 0) ? 1 : -1, 1e-9);
             }
-        } else if (!is_degenerate(of.mesh.triangle(single.closest.triangle))) {
+        } else if (const Triangle t = of.mesh.triangle(single.closest.triangle);
+                   single.distance == 0 && !is_degenerate(t)) {
+            EXPECT_NEAR(gradient.dot(unit_normal({t[0], t[1]}, {t[0], t[2]})), 1, 1e-12);
+        } else if (!is_degenerate(t)) {
             EXPECT_NEAR(gradient.norm(), 1, 1e-12);
         }
     });

@@ -249,6 +249,10 @@ TEST(Penetration, IsOneThroughTheCentreAndZeroAlongTheBorder)
     EXPECT_DOUBLE_EQ(weight({-5, 1, 0}, {3, 0, 0}), 0);
     EXPECT_DOUBLE_EQ(weight({-5, 2, 0}, {1, 0, 0}), 0);
     EXPECT_DOUBLE_EQ(weight({5, 5, 5}, {-2, -2, -2}), 1);
+    const Vec3 by(7, -3, 2);
+    EXPECT_DOUBLE_EQ(
+        penetration({cube.lower + by, cube.upper + by}, {Vec3(-5, 0.5, 0) + by, Vec3::UnitX()}),
+        0.5);
     // Along (1, 1, 1) the prism's sides are 2 / sqrt 2 from its axis; along (1, 1, 0) those that
     // stand on the diagonal are as far, top and bottom 1.
     EXPECT_NEAR(weight(Vec3(1, -1, 0) * 0.5, {1, 1, 1}), 1 - 1 / 2.0, 1e-15);
