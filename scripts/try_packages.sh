@@ -11,7 +11,7 @@ dpkg -l | grep -c '^ii' | sed 's/$/ packages in all/'
 
 cd /tmp
 proxima --version
-proxima closest icosphere:3 --point 0,0,3 | head -3
+proxima closest icosphere:3 --point 0,0,3 | sed -n 1,3p
 cat >/tmp/mesh.off <<'EOF'
 OFF
 4 4 0
@@ -60,7 +60,7 @@ quietly g++ main.cpp -o by_pkg_config $(pkg-config --cflags --libs proxima)
 for program in build/program ./by_pkg_config; do
   "$program" /tmp/mesh.off
   "$program" two_tetrahedra.glb # by assimp, which the library opens now
-  ldd "$program" | grep -q 'libproxima.so.0 => /lib' || { ldd "$program"; exit 1; }
+  [[ $(ldd "$program") == *'libproxima.so.0 => /lib'* ]] || { ldd "$program"; exit 1; }
 done
 echo "the README's program works, by CMake and by pkg-config"
 quietly apt-get remove -y libproxima0 proxima-tools python3-proxima proxima-doc
