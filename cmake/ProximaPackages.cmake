@@ -1,6 +1,6 @@
 # Debian packages, by CPack: each holds one component of the installation. scripts/package builds them.
 #
-#     libproxima0       the shared libraries for C++ and C
+#     libproxima0.1     the shared libraries for C++ and C
 #     libproxima-dev    headers, and what CMake and pkg-config read
 #     proxima-tools     the program, its manual pages and completion
 #     python3-proxima   the Python module
@@ -85,9 +85,10 @@ string(REGEX MATCH "^([0-9]+)\\.([0-9]+)" PROXIMA_PYTHON_VERSION ${PROXIMA_PYTHO
 math(EXPR next_python "${CMAKE_MATCH_2} + 1")
 string(PREPEND next_python "${CMAKE_MATCH_1}.")
 set(same "(= ${PROJECT_VERSION}-1)")
-proxima_package(runtime libproxima0 libs ""
+set(runtime libproxima${PROXIMA_SOVERSION})
+proxima_package(runtime ${runtime} libs ""
   "${what}This package has the shared libraries for programs in C++ and C.")
-proxima_package(development libproxima-dev libdevel "libproxima0 ${same}, libeigen3-dev, libexpected-dev"
+proxima_package(development libproxima-dev libdevel "${runtime} ${same}, libeigen3-dev, libexpected-dev"
   "${what}This package has the headers, and what CMake and pkg-config need to find it.")
 proxima_package(tools proxima-tools science ""
   "${what}This package has the program proxima, which asks these questions of files.")
@@ -99,7 +100,7 @@ set(CPACK_DEBIAN_DOC_PACKAGE_ARCHITECTURE all)
 set(CPACK_DEBIAN_TOOLS_PACKAGE_SUGGESTS proxima-doc)
 
 # Which versions programs need that are linked with the libraries, and the cache of libraries made anew.
-file(WRITE ${work}/shlibs "libproxima ${PROJECT_VERSION_MAJOR} libproxima0 (>= ${PROJECT_VERSION})\nlibproxima_c 1 libproxima0 (>= ${PROJECT_VERSION})\n")
+file(WRITE ${work}/shlibs "libproxima ${PROXIMA_SOVERSION} ${runtime} (>= ${PROJECT_VERSION})\nlibproxima_c 1 ${runtime} (>= ${PROJECT_VERSION})\n")
 file(WRITE ${work}/triggers "activate-noawait ldconfig\n")
 set(CPACK_DEBIAN_RUNTIME_PACKAGE_CONTROL_EXTRA ${work}/shlibs ${work}/triggers)
 set(CPACK_DEBIAN_RUNTIME_PACKAGE_CONTROL_STRICT_PERMISSION ON)

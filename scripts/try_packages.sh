@@ -6,7 +6,7 @@ quietly() { "$@" >/tmp/said 2>&1 || { cat /tmp/said; exit 1; }; }
 rm -f /etc/dpkg/dpkg.cfg.d/excludes
 quietly apt-get update
 quietly apt-get install -y --no-install-recommends /packages/*.deb
-echo "installed: $(dpkg-query -W -f '${Package} ' libproxima0 libproxima-dev proxima-tools python3-proxima proxima-doc)"
+echo "installed: $(dpkg-query -W -f '${Package} ' libproxima0.1 libproxima-dev proxima-tools python3-proxima proxima-doc)"
 dpkg -l | grep -c '^ii' | sed 's/$/ packages in all/'
 
 cd /tmp
@@ -60,10 +60,10 @@ quietly g++ main.cpp -o by_pkg_config $(pkg-config --cflags --libs proxima)
 for program in build/program ./by_pkg_config; do
   "$program" /tmp/mesh.off
   "$program" two_tetrahedra.glb # by assimp, which the library opens now
-  [[ $(ldd "$program") == *'libproxima.so.0 => /lib'* ]] || { ldd "$program"; exit 1; }
+  [[ $(ldd "$program") == *'libproxima.so.0.1 => /lib'* ]] || { ldd "$program"; exit 1; }
 done
 echo "the README's program works, by CMake and by pkg-config"
-quietly apt-get remove -y libproxima0 proxima-tools python3-proxima proxima-doc
+quietly apt-get remove -y libproxima0.1 proxima-tools python3-proxima proxima-doc
 left=$(find /usr/lib/python3/dist-packages/proxima /usr/lib/*/proxima /usr/include/proxima 2>/dev/null || true)
 [ -z "$left" ] || { echo "left behind: $left"; exit 1; }
 echo "removed without a trace"
