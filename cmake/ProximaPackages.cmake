@@ -5,8 +5,8 @@
 #     proxima-tools     the program, its manual pages and completion
 #     python3-proxima   the Python module
 #     proxima-doc       the pages of docs
-if(NOT BUILD_SHARED_LIBS OR NOT PROXIMA_BUILD_APPS OR NOT PROXIMA_BUILD_C OR NOT TARGET proxima_python)
-  message(FATAL_ERROR "packages need BUILD_SHARED_LIBS, PROXIMA_BUILD_APPS, PROXIMA_BUILD_C and PROXIMA_BUILD_PYTHON")
+if(NOT PROXIMA_INSTALL OR NOT BUILD_SHARED_LIBS OR NOT PROXIMA_BUILD_APPS OR NOT PROXIMA_BUILD_C OR NOT TARGET proxima_python)
+  message(FATAL_ERROR "packages need PROXIMA_INSTALL, BUILD_SHARED_LIBS, PROXIMA_BUILD_APPS, PROXIMA_BUILD_C and PROXIMA_BUILD_PYTHON")
 endif()
 find_program(PROXIMA_GZIP gzip REQUIRED)
 find_package(Python3 3.9 REQUIRED COMPONENTS Interpreter)

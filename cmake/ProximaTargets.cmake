@@ -2,6 +2,7 @@
 
 # Compile options of our own code; never exported to users.
 add_library(proxima_developer_options INTERFACE)
+target_include_directories(proxima_developer_options INTERFACE ${PROJECT_SOURCE_DIR}/src)
 # No fused multiply-add: decisions must have the same bits on every instruction set. No errno from square roots:
 # it takes a branch and a call beside each of them.
 target_compile_options(proxima_developer_options INTERFACE
@@ -153,7 +154,7 @@ function(proxima_add_objects layer objects level sources links)
   add_library(${objects} OBJECT ${sources})
   target_compile_options(${objects} PRIVATE $<$<CONFIG:Release>:${level}> $<$<CXX_COMPILER_ID:GNU>:-Wno-maybe-uninitialized>)
   target_compile_features(${objects} PRIVATE cxx_std_20)
-  target_include_directories(${objects} PRIVATE ${PROJECT_SOURCE_DIR}/src ${PROJECT_SOURCE_DIR}/include)
+  target_include_directories(${objects} PRIVATE ${PROJECT_SOURCE_DIR}/include)
   target_link_libraries(${objects} PRIVATE ${links} proxima_developer_options)
   proxima_fit_for_shared_libraries(${objects})
   proxima_trace_files_only(${objects} ${layer})
@@ -180,8 +181,7 @@ function(proxima_add_layer name)
   target_sources(${target} PUBLIC FILE_SET HEADERS
     BASE_DIRS ${PROJECT_SOURCE_DIR}/include FILES ${ARG_PUBLIC_HEADERS})
   target_compile_features(${target} PUBLIC cxx_std_20)
-  target_include_directories(${target} PUBLIC $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}/src>
-    PRIVATE ${PROJECT_SOURCE_DIR}/include)
+  target_include_directories(${target} PRIVATE ${PROJECT_SOURCE_DIR}/include)
   target_link_libraries(${target} PUBLIC ${ARG_LINK}
     PRIVATE ${ARG_PRIVATE_LINK} $<BUILD_INTERFACE:proxima_developer_options>)
   set_target_properties(${target} PROPERTIES EXPORT_NAME ${name})
