@@ -1,6 +1,6 @@
 # How every target of the house is made: language level, warnings, sanitizers, layers.
 
-# Compile options of our own code; never exported to users.
+# Compile options and internal headers of our own code; never passed on to users.
 add_library(proxima_developer_options INTERFACE)
 target_include_directories(proxima_developer_options INTERFACE ${PROJECT_SOURCE_DIR}/src)
 # No fused multiply-add: decisions must have the same bits on every instruction set. No errno from square roots:
@@ -22,10 +22,13 @@ if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU" AND CMAKE_SYSTEM_PROCESSOR STREQUAL "x86
 endif()
 # A section for each function, so that libraries of a few of them leave out the others.
 target_compile_options(proxima_developer_options INTERFACE -ffunction-sections -fdata-sections)
-if(NOT PROXIMA_SANITIZE AND CMAKE_BUILD_TYPE STREQUAL "Release")
+if(NOT PROXIMA_SANITIZE)
   # What is installed notices an overwritten stack, and copies that do not fit where sizes are known (docs/security.md).
-  target_compile_options(proxima_developer_options INTERFACE -fstack-protector-strong)
-  target_compile_definitions(proxima_developer_options INTERFACE _FORTIFY_SOURCE=2)
+  target_compile_options(proxima_developer_options INTERFACE $<$<CONFIG:Release>:-fstack-protector-strong>)
+  # Unless the flags say how much is checked: distributions set 3.
+  if(NOT "${CMAKE_CXX_FLAGS} ${CMAKE_CXX_FLAGS_RELEASE}" MATCHES "_FORTIFY_SOURCE")
+    target_compile_options(proxima_developer_options INTERFACE "$<$<CONFIG:Release>:-U_FORTIFY_SOURCE;-D_FORTIFY_SOURCE=2>")
+  endif()
 endif()
 if(CMAKE_SYSTEM_PROCESSOR STREQUAL "aarch64")
   # Highway's NEON includes the instructions for AES, and g++ gives only some of a kernel's functions what it asks for. No
