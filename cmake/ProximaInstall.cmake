@@ -3,11 +3,11 @@ include(CMakePackageConfigHelpers)
 
 if(BUILD_SHARED_LIBS)
   set(libraries proxima_shared)
-  if(PROXIMA_WITH_ASSIMP)
-    install(TARGETS proxima_scene_library LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR}/proxima COMPONENT runtime)
-  endif()
 else()
   get_property(libraries GLOBAL PROPERTY PROXIMA_LAYERS)
+endif()
+if(PROXIMA_WITH_ASSIMP AND (BUILD_SHARED_LIBS OR TARGET proxima_c))
+  install(TARGETS proxima_scene_library LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR}/proxima COMPONENT runtime)
 endif()
 set(parts
   LIBRARY COMPONENT runtime NAMELINK_COMPONENT development

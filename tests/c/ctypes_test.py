@@ -1,4 +1,7 @@
-"""The C interface from a program that knows only the shared library: Python's ctypes."""
+"""The C interface from a program that knows only the shared library: Python's ctypes.
+
+    ctypes_test.py LIBRARY [SCENE]      a scene of two tetrahedra is read by the library that is opened for it
+"""
 import ctypes
 import math
 import sys
@@ -36,5 +39,10 @@ try:
 except ValueError as error:
     if "missing.ply" not in str(error):
         sys.exit(f"the message does not name the file: {error}")
+for scene in sys.argv[2:]:  # of two tetrahedra
+    check(library.proxima_mesh_read(scene.encode(), ctypes.byref(mesh)))
+    if library.proxima_mesh_triangle_count(mesh) != 8:
+        sys.exit(f"{scene}: {library.proxima_mesh_triangle_count(mesh)} triangles")
+    library.proxima_mesh_destroy(mesh)
 library.proxima_index_destroy(index)
 print(f"{count} signed distances, off by at most {worst:.1e}")
