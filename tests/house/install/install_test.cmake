@@ -38,6 +38,19 @@ run(${CMAKE_COMMAND} -S ${CMAKE_CURRENT_LIST_DIR} -B ${WORK}/build -G Ninja -DCM
 run(${CMAKE_COMMAND} --build ${WORK}/build)
 expect_answer(${WORK}/build/uses_proxima)
 
+# Static libraries need xxHash, and a project that can do without Proxima goes on.
+if(EXISTS ${WORK}/prefix/${LIBDIR}/libproxima_base.a)
+  set(ENV{PKG_CONFIG_LIBDIR} ${WORK})
+  set(ENV{PKG_CONFIG_PATH} "")
+  run(${CMAKE_COMMAND} -S ${CMAKE_CURRENT_LIST_DIR} -B ${WORK}/without_xxhash -G Ninja -DCMAKE_CXX_COMPILER=${CXX}
+    -DCMAKE_PREFIX_PATH=${WORK}/prefix -DLOOKS_ONLY=ON)
+  if(NOT output MATCHES "found: (FALSE|0), pkg-config does not find libxxhash")
+    message(FATAL_ERROR "without xxHash: ${output}")
+  endif()
+  unset(ENV{PKG_CONFIG_LIBDIR})
+  set(ENV{PKG_CONFIG_PATH} ${WORK}/prefix/${LIBDIR}/pkgconfig)
+endif()
+
 # The examples as a project of its own. Of C++ one is built: the suite runs them all, built with the library.
 run(${CMAKE_COMMAND} -S ${CMAKE_CURRENT_LIST_DIR}/../../../examples -B ${WORK}/examples -G Ninja
   -DCMAKE_CXX_COMPILER=${CXX} -DCMAKE_PREFIX_PATH=${WORK}/prefix -DCMAKE_BUILD_TYPE=None)
