@@ -26,6 +26,7 @@ install(FILES ${PROJECT_BINARY_DIR}/proximaConfig.cmake ${PROJECT_BINARY_DIR}/pr
 
 # Static libraries: a layer comes before those it uses, and theirs follow by Requires.
 set(PROXIMA_PC_REQUIRES "eigen3")
+set(PROXIMA_PC_REQUIRES_PRIVATE "")
 if(BUILD_SHARED_LIBS)
   set(PROXIMA_PC_LIBS "-lproxima")
 else()
@@ -39,8 +40,8 @@ else()
   string(APPEND PROXIMA_PC_REQUIRES ", libhwy, libxxhash")
   if(PROXIMA_WITH_ASSIMP)
     # Layers mesh and scenes use each other.
-    set(PROXIMA_PC_LIBS "-Wl,--as-needed -Wl,--start-group ${PROXIMA_PC_LIBS}-Wl,--end-group")
-    string(APPEND PROXIMA_PC_REQUIRES ", assimp")
+    set(PROXIMA_PC_LIBS "-Wl,--start-group ${PROXIMA_PC_LIBS}-Wl,--end-group -Wl,--push-state,--as-needed,-lassimp,--pop-state")
+    set(PROXIMA_PC_REQUIRES_PRIVATE "assimp")
   endif()
 endif()
 # Relative to the file itself: the installed tree may be moved.
