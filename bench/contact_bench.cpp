@@ -101,22 +101,23 @@ int run_mesh(const std::string& name, const BenchOptions& options)
     std::vector<std::unique_ptr<ContactPeer>> peers;
     peers.push_back(make_proxima_contact_peer(*mesh));
 #ifdef PROXIMA_BENCH_FCL
-    peers.push_back(make_fcl_contact_peer(*mesh));
+    peers.push_back(make_fcl_contact_peer(*mesh, FclVolume::obb_rss));
+    peers.push_back(make_fcl_contact_peer(*mesh, FclVolume::obb));
 #endif
     std::printf("%s: %zu triangles\n", std::filesystem::path(name).filename().string().c_str(),
                 mesh->triangle_count());
     for (const auto& peer : peers)
-        std::printf("    %-8s built in %.3f s\n", peer->name().c_str(), peer->build_seconds());
+        std::printf("    %-10s built in %.3f s\n", peer->name().c_str(), peer->build_seconds());
     const MeshIndex index = build_mesh_index(*mesh).value();
     const std::vector<PoseSet> sets = contact_poses(*mesh, index, options.seed);
-    std::printf("    %-8s %-8s %22s %22s   (us a pose, over ours)\n", "", "", "boolean",
+    std::printf("    %-8s %-10s %22s %22s   (us a pose, over ours)\n", "", "", "boolean",
                 "all pairs");
     std::vector<std::vector<SetResult>> results(sets.size());
     for (std::size_t k = 0; k < sets.size(); ++k) {
         race(peers, sets[k], options.rounds, results[k]);
         for (std::size_t i = 0; i < peers.size(); ++i) {
             const SetResult& own = results[k][i];
-            std::printf("    %-8s %-8s", sets[k].name, peers[i]->name().c_str());
+            std::printf("    %-8s %-10s", sets[k].name, peers[i]->name().c_str());
             for (const Question question : questions) {
                 const double time = microseconds(own, question, sets[k]);
                 std::printf("%13.2f (%6.2f x)", time,
@@ -132,7 +133,7 @@ int run_mesh(const std::string& name, const BenchOptions& options)
         }
     }
     for (std::size_t i = 0; i < peers.size(); ++i) {
-        std::printf("    %-8s %-8s", "all", peers[i]->name().c_str());
+        std::printf("    %-8s %-10s", "all", peers[i]->name().c_str());
         for (const Question question : questions) {
             double time = 0;
             double ours = 0;

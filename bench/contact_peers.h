@@ -5,6 +5,7 @@
 #include "proxima/intersect_meshes.h"
 #include "proxima/triangle_mesh.h"
 
+#include <cstdint>
 #include <memory>
 #include <string>
 #include <vector>
@@ -29,6 +30,10 @@ public:
 };
 
 [[nodiscard]] std::unique_ptr<ContactPeer> make_proxima_contact_peer(const TriangleMesh& mesh);
-[[nodiscard]] std::unique_ptr<ContactPeer> make_fcl_contact_peer(const TriangleMesh& mesh);
+
+/// Oriented boxes alone, or with swept spheres beside them.
+enum class FclVolume : std::uint8_t { obb, obb_rss };
+[[nodiscard]] std::unique_ptr<ContactPeer> make_fcl_contact_peer(const TriangleMesh& mesh,
+                                                                 FclVolume volume);
 
 } // namespace proxima::bench

@@ -1,11 +1,12 @@
-// Times of contact of scans and penetration depths of convex bodies, ours beside FCL 0.7: passes in turn, medians of
-// rounds, then of cases.
+// Times of contact of scans and penetration depths of convex bodies, ours beside FCL 0.7. In each round every
+// case is given to all methods in turn; medians of rounds, then of cases.
 //
 //     contacts_bench [--cases N] [--rounds N] [--seed N] [--mesh NAME]...
 //
 // Motions take B from beside A towards it or past it, turning by less than half a revolution. Besides, two fine
-// sheets slide along each other. Every time of FCL's is compared with the exact test of intersection, and every depth with our interval. Processor time of one
-// thread.
+// sheets meet, and slide along each other. Every time of ours is checked with the exact test of intersection, and a wrong
+// one makes the exit status 1; FCL's times are compared with ours, and its depths with our intervals. A method that
+// finds none of the contacts gets "-" for a ratio. Processor time of one thread.
 #include "bench_program.h"
 #include "proxima/contacts.h"
 #include "proxima/intersect_meshes.h"
@@ -19,10 +20,15 @@
 
 #include <CLI/CLI.hpp>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
+#include <functional>
+#include <optional>
 #include <random>
+#include <set>
+#include <span>
 
 namespace proxima::bench {
 namespace {
@@ -62,71 +68,168 @@ private:
     std::mt19937_64 random_;
 };
 
-/// Median over cases of the medians over rounds, in seconds.
-template <class Run>
-double time_cases(std::size_t cases, int rounds, const Run& run)
+/// One method, to be timed on numbered cases.
+struct Method {
+    std::string name;
+    std::function<void(std::size_t)> run;
+    std::function<void(std::size_t)> prepare = [](std::size_t) {}; ///< before each run, not timed
+};
+
+/// For each method, the median over cases of the medians over rounds, in seconds.
+std::vector<double> time_methods(std::span<const Method> methods, std::size_t cases, int rounds)
 {
-    std::vector<double> medians;
-    for (std::size_t i = 0; i < cases; ++i) {
-        std::vector<double> seconds;
-        for (int round = 0; round < rounds; ++round) {
-            const double start = processor_seconds();
-            run(i);
-            seconds.push_back(processor_seconds() - start);
+    std::vector<std::vector<std::vector<double>>> seconds(methods.size(),
+                                                          std::vector<std::vector<double>>(cases));
+    for (std::size_t round = 0; round < static_cast<std::size_t>(rounds); ++round) {
+        for (std::size_t i = 0; i < cases; ++i) {
+            for (std::size_t turn = 0; turn < methods.size(); ++turn) {
+                const std::size_t m = (turn + round + i) % methods.size();
+                methods[m].prepare(i);
+                const double start = processor_seconds();
+                methods[m].run(i);
+                seconds[m][i].push_back(processor_seconds() - start);
+            }
         }
-        medians.push_back(median(seconds));
     }
-    return median(medians);
+    std::vector<double> medians;
+    for (const auto& cases_of_method : seconds) {
+        std::vector<double> of_cases;
+        for (const auto& rounds_of_case : cases_of_method)
+            of_cases.push_back(median(rounds_of_case));
+        medians.push_back(median(of_cases));
+    }
+    return medians;
 }
 
-void print_row(const char* what, const char* who, double seconds, double own,
-               const std::string& says)
+/// Without a ratio where times cannot be compared.
+void print_row(const char* what, const std::string& who, double seconds,
+               std::optional<double> ratio, const std::string& says)
 {
-    std::printf("  %-18s %-10s %10.1f us %8.2f x   %s\n", what, who, 1e6 * seconds, seconds / own,
+    char times[20] = "       - ";
+    if (ratio) std::snprintf(times, sizeof(times), "%8.2f x", *ratio);
+    std::printf("  %-18s %-20s %10.1f us %-10s   %s\n", what, who.c_str(), 1e6 * seconds, times,
                 says.c_str());
     std::fflush(stdout);
 }
 
-void race_times(const char* what, const TriangleMesh& mesh, const MeshIndex& index,
-                const std::vector<RigidMotion>& motions, int rounds)
+/// Whether the exact test agrees: the meshes do not meet at free_until and do at touches_at, which is infinite
+/// where no contact was shown. Where there is no contact, they do not meet at any of 65 times.
+bool is_right(const MeshIndex& index, const RigidMotion& motion,
+              const std::optional<TimeOfContact>& answer)
+{
+    const auto meet = [&](double time) {
+        return meshes_intersect(index, index, pose_at(motion, time));
+    };
+    constexpr int last = 64;
+    if (!answer) {
+        int step = 0;
+        while (step <= last && !meet(static_cast<double>(step) / last)) ++step;
+        return step > last;
+    }
+    if (answer->free_until > answer->touches_at) return false;
+    if (answer->evidence == ContactEvidence::intersection && !meet(answer->touches_at))
+        return false;
+    return !meet(answer->free_until) || (answer->free_until == 0 && answer->touches_at == 0);
+}
+
+using ContactTimes = std::vector<std::optional<double>>;
+
+/// How a peer's times differ from ours. Motions whose contact ours could not decide do not count.
+struct TimeErrors {
+    int missed = 0;   ///< contacts that ours finds and the peer does not
+    int invented = 0; ///< the reverse
+    double late = 0;  ///< the most that a time is behind our interval
+    double early = 0; ///< or before it
+};
+
+TimeErrors errors_of(const ContactTimes& times, std::span<const std::optional<TimeOfContact>> found)
+{
+    TimeErrors errors;
+    for (std::size_t i = 0; i < times.size(); ++i) {
+        const bool meets = found[i] && found[i]->evidence == ContactEvidence::intersection;
+        errors.missed += meets && !times[i] ? 1 : 0;
+        errors.invented += !found[i] && times[i] ? 1 : 0;
+        if (!meets || !times[i]) continue;
+        errors.late = std::max(errors.late, *times[i] - found[i]->touches_at);
+        errors.early = std::max(errors.early, found[i]->free_until - *times[i]);
+    }
+    return errors;
+}
+
+/// Races times of contact, row by row, and remembers what was wrong.
+class TimeRace {
+public:
+    explicit TimeRace(int rounds) : rounds_(rounds) {}
+
+    void race(const char* what, const TriangleMesh& mesh, const MeshIndex& index,
+              const std::vector<RigidMotion>& motions);
+
+    /// How many answers of ours were wrong. Prints this, and how many were checked.
+    [[nodiscard]] int report_wrong() const
+    {
+        std::printf("times of ours checked with the exact test: %d, wrong: %d\n", checked_, wrong_);
+        return wrong_;
+    }
+
+private:
+    int rounds_;
+    int checked_ = 0;
+    int wrong_ = 0;
+    std::set<std::string> blind_; ///< methods that found none of the contacts of some row
+};
+
+void TimeRace::race(const char* what, [[maybe_unused]] const TriangleMesh& mesh,
+                    const MeshIndex& index, const std::vector<RigidMotion>& motions)
 {
     const std::size_t cases = motions.size();
     std::vector<std::optional<TimeOfContact>> found(cases);
-    const double own = time_cases(cases, rounds, [&](std::size_t i) {
-        found[i] = time_of_contact(index, index, motions[i]);
-    });
-    int contacts = 0;
-    double sum = 0;
-    for (const auto& answer : found) {
-        contacts += answer ? 1 : 0;
-        sum += answer ? answer->free_until : 1;
-    }
-    print_row(what, "proxima", own, own,
-              "contacts " + std::to_string(contacts) + ", sum of times " + std::to_string(sum));
+    std::vector<Method> methods = {
+        {"proxima", [&](std::size_t i) { found[i] = time_of_contact(index, index, motions[i]); }}};
+    std::vector<ContactTimes> times(1); // of the methods; the first one's are in `found`
 #ifdef PROXIMA_BENCH_FCL
     const FclTimeOfContact fcl(mesh, mesh);
-    for (const FclAdvance how : {FclAdvance::steps, FclAdvance::conservative}) {
-        std::vector<std::optional<double>> times(cases);
-        const double theirs =
-            time_cases(cases, rounds, [&](std::size_t i) { times[i] = fcl.time(motions[i], how); });
-        int missed = 0;
-        int invented = 0;
-        double late = 0;
-        double early = 0;
-        for (std::size_t i = 0; i < cases; ++i) {
-            missed += found[i] && !times[i] ? 1 : 0;
-            invented += !found[i] && times[i] ? 1 : 0;
-            if (!found[i] || !times[i]) continue;
-            late = std::max(late, *times[i] - found[i]->touches_at);
-            early = std::max(early, found[i]->free_until - *times[i]);
-        }
-        char says[200];
-        std::snprintf(says, sizeof(says),
-                      "contacts missed %d, invented %d, late by up to %.1e, early by %.1e", missed,
-                      invented, late, early);
-        print_row("", how == FclAdvance::steps ? "fcl, steps" : "fcl", theirs, own, says);
+    FclTranslation translation(mesh, mesh);
+    times.resize(4, ContactTimes(cases));
+    const auto advance = [&](const char* name, FclAdvance how) {
+        const std::size_t m = methods.size();
+        methods.push_back(
+            {name, [&, m, how](std::size_t i) { times[m][i] = fcl.time(motions[i], how); }});
+    };
+    advance("fcl, steps", FclAdvance::steps);
+    advance("fcl, conservative", FclAdvance::conservative);
+    const auto turns = [](const RigidMotion& motion) { return motion.turn != Vec3::Zero(); };
+    if (std::ranges::none_of(motions, turns)) {
+        methods.push_back({"fcl, polynomial",
+                           [&](std::size_t i) { times[3][i] = translation.time(motions[i]); },
+                           [&](std::size_t i) { translation.prepare(motions[i]); }});
     }
 #endif
+    const std::vector<double> seconds = time_methods(methods, cases, rounds_);
+    int contacts = 0;
+    int undecided = 0;
+    double sum = 0;
+    for (std::size_t i = 0; i < cases; ++i) {
+        const bool meets = found[i] && found[i]->evidence == ContactEvidence::intersection;
+        contacts += meets ? 1 : 0;
+        undecided += found[i] && !meets ? 1 : 0;
+        sum += found[i] ? found[i]->free_until : 1;
+        ++checked_;
+        wrong_ += is_right(index, motions[i], found[i]) ? 0 : 1;
+    }
+    char says[200];
+    std::snprintf(says, sizeof(says), "contacts %d, undecided %d, sum of times %.6f", contacts,
+                  undecided, sum);
+    print_row(what, methods[0].name, seconds[0], 1, says);
+    for (std::size_t m = 1; m < methods.size(); ++m) {
+        const TimeErrors errors = errors_of(times[m], found);
+        if (contacts > 0 && errors.missed == contacts) blind_.insert(methods[m].name);
+        std::snprintf(says, sizeof(says),
+                      "contacts missed %d, invented %d, late by up to %.1e, early by %.1e",
+                      errors.missed, errors.invented, errors.late, errors.early);
+        const bool compares = !blind_.contains(methods[m].name);
+        print_row("", methods[m].name, seconds[m],
+                  compares ? std::optional(seconds[m] / seconds[0]) : std::nullopt, says);
+    }
 }
 
 /// Of B at a mesh, from all sides.
@@ -138,9 +241,9 @@ std::vector<RigidMotion> motions_of(const TriangleMesh& mesh, const BenchOptions
     return motions;
 }
 
-/// Two sheets of 2 x 2 and 60 x 60 cells, askew, that slide along each other by a quarter of their side at a
-/// gap of 1e-3.
-void race_sheets(const BenchOptions& options)
+/// Two sheets of 2 x 2 and 60 x 60 cells, askew. First one comes down on the other, tilted by 5e-4, so that there
+/// is a contact to find; then they slide along each other by a quarter of their side at a gap of 1e-3.
+void race_sheets(TimeRace& times)
 {
     const Mat3 turned = Eigen::AngleAxisd(0.7, Vec3(1, 2, 3).normalized()).toRotationMatrix();
     constexpr std::uint32_t cells = 60;
@@ -160,9 +263,14 @@ void race_sheets(const BenchOptions& options)
     const TriangleMesh sheet = make_triangle_mesh(std::move(points), std::move(triangles)).value();
     const MeshIndex index = with_slabs(build_mesh_index(sheet).value()).value();
     std::printf("sheets: %zu triangles each\n", sheet.triangle_count());
-    RigidMotion motion = {.displacement = turned * Vec3(0.5, 0, 0)};
-    motion.start.translation = 1e-3 * turned.col(2);
-    race_times("sheets slide", sheet, index, {motion}, options.rounds);
+    RigidMotion down = {.displacement = -2e-3 * turned.col(2)};
+    down.start.rotation =
+        Eigen::AngleAxisd(5e-4, turned * Vec3(1, 2, 0).normalized()).toRotationMatrix();
+    down.start.translation = 1e-3 * turned.col(2);
+    times.race("sheets meet", sheet, index, {down});
+    RigidMotion slide = {.displacement = turned * Vec3(0.5, 0, 0)};
+    slide.start.translation = 1e-3 * turned.col(2);
+    times.race("sheets slide", sheet, index, {slide});
 }
 
 void race_depths(const TriangleMesh& mesh, const BenchOptions& options)
@@ -189,38 +297,57 @@ void race_depths(const TriangleMesh& mesh, const BenchOptions& options)
     std::vector<RigidTransform> poses(cases);
     for (RigidTransform& pose : poses) pose = maker.pose(0.3);
     std::vector<PenetrationDepth> found(cases);
-    const double own = time_cases(cases, options.rounds, [&](std::size_t i) {
-        found[i] = penetration_depth(*solid, *solid, poses[i]).value();
-    });
+    std::vector<Method> methods = {{"proxima", [&](std::size_t i) {
+                                        found[i] =
+                                            penetration_depth(*solid, *solid, poses[i]).value();
+                                    }}};
+    std::vector<std::vector<double>> depths(1); // of the methods; the first one's are in `found`
+#ifdef PROXIMA_BENCH_FCL
+    const FclConvexDepth fcl(*hull, *hull);
+    depths.resize(4, std::vector<double>(cases));
+    const auto add = [&](const char* name, FclDepthMethod method) {
+        const std::size_t m = methods.size();
+        methods.push_back(
+            {name, [&, m, method](std::size_t i) { depths[m][i] = fcl.depth(poses[i], method); }});
+    };
+    add("fcl, MPR", FclDepthMethod::mpr);
+    add("fcl, GJK and EPA", FclDepthMethod::gjk_epa);
+    add("fcl, signed distance", FclDepthMethod::signed_distance);
+#endif
+    const std::vector<double> seconds = time_methods(methods, cases, options.rounds);
     double sum = 0;
     double widest = 0;
+    std::size_t overlaps = 0;
     for (const PenetrationDepth& depth : found) {
         sum += depth.upper;
         widest = std::max(widest, depth.upper - depth.lower);
+        overlaps += depth.lower > 0 ? 1 : 0;
     }
     const double size = bounding_box(mesh).extent().norm();
     char says[200];
-    std::snprintf(says, sizeof(says), "%zu corners; sum %.9g, intervals up to %.1e diagonals wide",
-                  hull->points().size(), sum, widest / size);
-    print_row("depth of hulls", "proxima", own, own, says);
-#ifdef PROXIMA_BENCH_FCL
-    const FclConvexDepth fcl(*hull, *hull);
-    std::vector<double> depths(cases);
-    const double theirs =
-        time_cases(cases, options.rounds, [&](std::size_t i) { depths[i] = fcl.depth(poses[i]); });
-    double above = 0;
-    double below = 0;
-    for (std::size_t i = 0; i < cases; ++i) {
-        above = std::max(above, depths[i] - found[i].upper);
-        below = std::max(below, found[i].lower - depths[i]);
+    std::snprintf(says, sizeof(says),
+                  "%zu corners, %zu of %zu overlap; sum %.9g, intervals up to %.1e diagonals wide",
+                  hull->points().size(), overlaps, cases, sum, widest / size);
+    print_row("depth of hulls", methods[0].name, seconds[0], 1, says);
+    for (std::size_t m = 1; m < methods.size(); ++m) {
+        double above = 0;
+        double below = 0;
+        std::size_t missed = 0;
+        for (std::size_t i = 0; i < cases; ++i) {
+            above = std::max(above, depths[m][i] - found[i].upper);
+            below = std::max(below, found[i].lower - depths[m][i]);
+            missed += found[i].lower > 0 && depths[m][i] == 0 ? 1 : 0;
+        }
+        std::snprintf(says, sizeof(says),
+                      "too large by up to %.1e diagonals, too small by %.1e, overlaps missed %zu",
+                      above / size, below / size, missed);
+        const bool compares = overlaps == 0 || missed < overlaps;
+        print_row("", methods[m].name, seconds[m],
+                  compares ? std::optional(seconds[m] / seconds[0]) : std::nullopt, says);
     }
-    std::snprintf(says, sizeof(says), "too large by up to %.1e diagonals, too small by %.1e",
-                  above / size, below / size);
-    print_row("", "fcl", theirs, own, says);
-#endif
 }
 
-int run_mesh(const std::string& name, const BenchOptions& options)
+int run_mesh(const std::string& name, const BenchOptions& options, TimeRace& times)
 {
     const auto mesh = is_sample_mesh_name(name) ? sample_mesh(name) : read_mesh(name);
     if (!mesh) {
@@ -235,7 +362,7 @@ int run_mesh(const std::string& name, const BenchOptions& options)
     }
     std::printf("%s: %zu triangles\n", std::filesystem::path(name).filename().string().c_str(),
                 mesh->triangle_count());
-    race_times("time of contact", *mesh, *index, motions_of(*mesh, options), options.rounds);
+    times.race("time of contact", *mesh, *index, motions_of(*mesh, options));
     race_depths(*mesh, options);
     return 0;
 }
@@ -244,10 +371,11 @@ int run(const BenchOptions& options)
 {
     std::printf("one thread, %d cases a row from seed %llu, medians of %d rounds, then of cases\n",
                 options.cases, static_cast<unsigned long long>(options.seed), options.rounds);
+    TimeRace times(options.rounds);
     for (const std::string& name : meshes_of(options))
-        if (const int status = run_mesh(name, options); status != 0) return status;
-    race_sheets(options);
-    return 0;
+        if (const int status = run_mesh(name, options, times); status != 0) return status;
+    race_sheets(times);
+    return times.report_wrong() > 0 ? 1 : 0;
 }
 
 } // namespace

@@ -9,14 +9,18 @@
 namespace proxima::bench {
 namespace {
 
-/// Instances of a scene that is built for robustness and high quality.
+/// Instances of one scene of triangles, which is static and built with high quality.
 class EmbreeScenePeer final : public ScenePeer {
 public:
-    explicit EmbreeScenePeer(const TriangleMesh& mesh) : device_(rtcNewDevice("threads=1"))
+    EmbreeScenePeer(const TriangleMesh& mesh, EmbreeTraversal traversal, EmbreeTopLevel top_level)
+        : traversal_(traversal == EmbreeTraversal::robust ? RTC_SCENE_FLAG_ROBUST
+                                                          : RTC_SCENE_FLAG_NONE),
+          dynamic_(top_level == EmbreeTopLevel::dynamic_low_quality),
+          device_(rtcNewDevice("threads=1"))
     {
         PROXIMA_CHECK(device_ != nullptr);
         shape_ = rtcNewScene(device_);
-        rtcSetSceneFlags(shape_, RTC_SCENE_FLAG_ROBUST);
+        rtcSetSceneFlags(shape_, traversal_);
         rtcSetSceneBuildQuality(shape_, RTC_BUILD_QUALITY_HIGH);
         auto* const geometry = rtcNewGeometry(device_, RTC_GEOMETRY_TYPE_TRIANGLE);
         constexpr std::size_t stride = 12;
@@ -46,13 +50,19 @@ public:
     EmbreeScenePeer(const EmbreeScenePeer&) = delete;
     EmbreeScenePeer& operator=(const EmbreeScenePeer&) = delete;
 
-    [[nodiscard]] std::string name() const override { return "embree robust"; }
+    [[nodiscard]] std::string name() const override
+    {
+        const std::string name =
+            traversal_ == RTC_SCENE_FLAG_ROBUST ? "embree robust" : "embree fast";
+        return name + (dynamic_ ? ", dynamic low" : ", static high");
+    }
 
+    void prepare_build(std::span<const RigidTransform> /*poses*/) override { release(); }
     void build(std::span<const RigidTransform> poses) override
     {
-        release();
         scene_ = rtcNewScene(device_);
-        rtcSetSceneFlags(scene_, RTC_SCENE_FLAG_ROBUST);
+        rtcSetSceneFlags(scene_, dynamic_ ? traversal_ | RTC_SCENE_FLAG_DYNAMIC : traversal_);
+        rtcSetSceneBuildQuality(scene_, dynamic_ ? RTC_BUILD_QUALITY_LOW : RTC_BUILD_QUALITY_HIGH);
         for (const RigidTransform& pose : poses) {
             auto* const instance = rtcNewGeometry(device_, RTC_GEOMETRY_TYPE_INSTANCE);
             rtcSetGeometryInstancedScene(instance, shape_);
@@ -69,7 +79,8 @@ public:
         rtcCommitScene(scene_);
     }
     [[nodiscard]] bool casts_rays() const override { return true; }
-    void prepare(std::span<const Ray> rays) override
+    /// A cast shortens the rays that hit.
+    void prepare_rays(std::span<const Ray> rays) override
     {
         hits_.assign(rays.size(), RTCRayHit{});
         for (std::size_t i = 0; i < rays.size(); ++i) {
@@ -119,6 +130,8 @@ private:
         scene_ = nullptr;
     }
 
+    RTCSceneFlags traversal_;
+    bool dynamic_;
     RTCDevice device_;
     RTCScene shape_ = nullptr;
     RTCScene scene_ = nullptr;
@@ -128,9 +141,11 @@ private:
 
 } // namespace
 
-std::unique_ptr<ScenePeer> make_embree_scene_peer(const TriangleMesh& mesh)
+std::unique_ptr<ScenePeer> make_embree_scene_peer(const TriangleMesh& mesh,
+                                                  EmbreeTraversal traversal,
+                                                  EmbreeTopLevel top_level)
 {
-    return std::make_unique<EmbreeScenePeer>(mesh);
+    return std::make_unique<EmbreeScenePeer>(mesh, traversal, top_level);
 }
 
 } // namespace proxima::bench

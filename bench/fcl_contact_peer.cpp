@@ -10,14 +10,15 @@
 namespace proxima::bench {
 namespace {
 
-/// Oriented boxes and swept spheres, in doubles; contacts are pairs of triangles alone, without
-/// points and normals, which would take it longer.
+/// A hierarchy of bounding volumes in doubles. Contacts are pairs of triangles alone: points and normals
+/// would take longer.
+template <class Volume>
 class FclContactPeer final : public ContactPeer {
 public:
-    explicit FclContactPeer(const TriangleMesh& mesh)
+    FclContactPeer(const TriangleMesh& mesh, std::string name) : name_(std::move(name))
     {
         const auto start = std::chrono::steady_clock::now();
-        model_ = std::make_shared<fcl::BVHModel<fcl::OBBRSSd>>();
+        model_ = std::make_shared<fcl::BVHModel<Volume>>();
         std::vector<fcl::Triangle> triangles;
         for (const TriangleCorners& corners : mesh.triangles())
             triangles.emplace_back(corners[0], corners[1], corners[2]);
@@ -26,7 +27,7 @@ public:
         model_->endModel();
         seconds_ = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     }
-    [[nodiscard]] std::string name() const override { return "fcl"; }
+    [[nodiscard]] std::string name() const override { return name_; }
     [[nodiscard]] double build_seconds() const override { return seconds_; }
     [[nodiscard]] bool intersects(const RigidTransform& pose) override
     {
@@ -59,16 +60,19 @@ private:
                                     {most, false}, result_);
     }
 
-    std::shared_ptr<fcl::BVHModel<fcl::OBBRSSd>> model_;
+    std::string name_;
+    std::shared_ptr<fcl::BVHModel<Volume>> model_;
     double seconds_ = 0;
     fcl::CollisionResultd result_;
 };
 
 } // namespace
 
-std::unique_ptr<ContactPeer> make_fcl_contact_peer(const TriangleMesh& mesh)
+std::unique_ptr<ContactPeer> make_fcl_contact_peer(const TriangleMesh& mesh, FclVolume volume)
 {
-    return std::make_unique<FclContactPeer>(mesh);
+    if (volume == FclVolume::obb)
+        return std::make_unique<FclContactPeer<fcl::OBBd>>(mesh, "fcl OBB");
+    return std::make_unique<FclContactPeer<fcl::OBBRSSd>>(mesh, "fcl OBBRSS");
 }
 
 } // namespace proxima::bench

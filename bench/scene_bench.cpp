@@ -1,6 +1,9 @@
 // A mesh in thousands of poses: rays, closest points and pairs in contact, ours beside Embree's instances and
 // FCL's DynamicAABBTreeCollisionManager. Passes in turn, medians, processor time of one thread.
 //
+// Embree's traversal is fast or robust; its top level is static and built with high quality, for rays, or
+// dynamic and built with low quality, for moves. Its triangles are in floats, ours and FCL's in doubles.
+//
 //     scene_bench [--instances N] [--spread S] [--rays N] [--rounds N] [--seed N] [--mesh NAME]...
 //
 // Instances are turned at random; their origins are anywhere in a cube whose edge is S times the mesh's
@@ -36,6 +39,7 @@ public:
         : index_(build_mesh_index(mesh, {.execution = one_thread}).value())
     {}
     [[nodiscard]] std::string name() const override { return "proxima"; }
+    void prepare_build(std::span<const RigidTransform> /*poses*/) override { scene_ = Scene(); }
     void build(std::span<const RigidTransform> poses) override
     {
         std::vector<Instance> instances(poses.size());
@@ -59,7 +63,7 @@ public:
         if (!moved) throw std::runtime_error(describe(moved.error()));
     }
     [[nodiscard]] bool casts_rays() const override { return true; }
-    void prepare(std::span<const Ray> rays) override
+    void prepare_rays(std::span<const Ray> rays) override
     {
         rays_.assign(rays.begin(), rays.end());
         hits_.assign(rays.size(), std::nullopt);
@@ -100,39 +104,40 @@ private:
     std::vector<std::optional<SceneHit>> hits_;
 };
 
-/// Times of the passes of all peers, in turn.
-class Table {
-public:
-    explicit Table(std::span<const std::unique_ptr<ScenePeer>> peers) : peers_(peers) {}
+/// What one row of the table measures.
+struct Row {
+    const char* what;
+    double per_second; ///< times in `unit` are seconds times this
+    const char* unit;
+    std::function<bool(const ScenePeer&)> can; ///< peers that cannot are left out
+    std::function<void(ScenePeer&)> prepare;   ///< before each pass, not timed
+    std::function<void(ScenePeer&, int round)> pass;
+};
 
-    /// Prints medians, in `unit` of a second each, of those that can.
-    void row(const char* what, double per_second, const char* unit, int rounds,
-             const std::function<bool(const ScenePeer&)>& can,
-             const std::function<void(ScenePeer&)>& pass) const
-    {
-        std::vector<std::vector<double>> seconds(peers_.size());
-        for (int round = 0; round < rounds; ++round) {
-            for (std::size_t turn = 0; turn < peers_.size(); ++turn) {
-                const std::size_t i = (turn + static_cast<std::size_t>(round)) % peers_.size();
-                if (!can(*peers_[i])) continue;
-                const double start = processor_seconds();
-                pass(*peers_[i]);
-                seconds[i].push_back(processor_seconds() - start);
-            }
+/// Times a row: all peers in each round, a different one first. Prints medians, and ratios to the first
+/// peer's.
+void print_row(std::span<const std::unique_ptr<ScenePeer>> peers, int rounds, const Row& row)
+{
+    std::vector<std::vector<double>> seconds(peers.size());
+    for (int round = 0; round < rounds; ++round) {
+        for (std::size_t turn = 0; turn < peers.size(); ++turn) {
+            const std::size_t i = (turn + static_cast<std::size_t>(round)) % peers.size();
+            if (!row.can(*peers[i])) continue;
+            row.prepare(*peers[i]);
+            const double start = processor_seconds();
+            row.pass(*peers[i], round);
+            seconds[i].push_back(processor_seconds() - start);
         }
-        std::printf("  %-22s", what);
-        for (std::size_t i = 0; i < peers_.size(); ++i) {
-            if (seconds[i].empty()) continue;
-            std::printf("  %s %.4g %s", peers_[i]->name().c_str(), per_second * median(seconds[i]),
-                        unit);
-            if (i > 0) std::printf(" (x%.2f)", median(seconds[i]) / median(seconds[0]));
-        }
+    }
+    for (std::size_t i = 0; i < peers.size(); ++i) {
+        if (seconds[i].empty()) continue;
+        std::printf("  %-22s  %-26s %10.4g %s", i == 0 ? row.what : "", peers[i]->name().c_str(),
+                    row.per_second * median(seconds[i]), row.unit);
+        if (i > 0) std::printf("  (x%.2f)", median(seconds[i]) / median(seconds[0]));
         std::puts("");
     }
-
-private:
-    std::span<const std::unique_ptr<ScenePeer>> peers_;
-};
+    std::fflush(stdout);
+}
 
 struct Workload {
     std::vector<RigidTransform> poses;
@@ -228,7 +233,10 @@ void race(const std::string& name, const BenchOptions& options)
     ProximaScenePeer& proxima = *own;
     peers.push_back(std::move(own));
 #ifdef PROXIMA_BENCH_EMBREE
-    peers.push_back(make_embree_scene_peer(*mesh));
+    for (const auto top :
+         {EmbreeTopLevel::static_high_quality, EmbreeTopLevel::dynamic_low_quality})
+        for (const auto traversal : {EmbreeTraversal::fast, EmbreeTraversal::robust})
+            peers.push_back(make_embree_scene_peer(*mesh, traversal, top));
 #endif
 #ifdef PROXIMA_BENCH_FCL
     peers.push_back(make_fcl_scene_peer(*mesh));
@@ -236,58 +244,58 @@ void race(const std::string& name, const BenchOptions& options)
     std::printf("%s: %zu triangles, %zu instances, spread %g, seed %llu\n", name.c_str(),
                 mesh->triangle_count(), options.instances, options.spread,
                 static_cast<unsigned long long>(options.seed));
-    const Table table(peers);
     const auto all = [](const ScenePeer&) { return true; };
     const auto rays = [](const ScenePeer& peer) { return peer.casts_rays(); };
     const auto pairs = [](const ScenePeer& peer) { return peer.finds_pairs(); };
-    table.row("building", 1e3, "ms", options.rounds, all,
-              [&](ScenePeer& peer) { peer.build(work.poses); });
-    table.row("moving all", 1e3, "ms", options.rounds, all,
-              [&](ScenePeer& peer) { peer.move(work.moved); });
+    const auto nothing = [](ScenePeer&) {};
+    const auto prepare_build = [&](ScenePeer& peer) { peer.prepare_build(work.poses); };
+    const auto prepare_rays = [&](ScenePeer& peer) { peer.prepare_rays(work.rays); };
+    const auto cast_rays = [](ScenePeer& peer, int /*round*/) { peer.cast_rays(); };
+    const double per_ray = 1e6 / static_cast<double>(work.rays.size());
+    const int rounds = options.rounds;
+    // Instances are at `poses` after building and after an odd round, so that every round moves them.
+    const auto poses_of_round = [&](int round) -> std::span<const RigidTransform> {
+        return round % 2 == 0 ? work.moved : work.poses;
+    };
+    print_row(peers, rounds,
+              {"building", 1e3, "ms", all, prepare_build,
+               [&](ScenePeer& peer, int /*round*/) { peer.build(work.poses); }});
+    print_row(peers, rounds,
+              {"moving all", 1e3, "ms", all, nothing,
+               [&](ScenePeer& peer, int round) { peer.move(poses_of_round(round)); }});
+    for (const auto& peer : peers) peer->move(work.moved);
+    print_row(peers, rounds, {"closest hit, moved", per_ray, "us", rays, prepare_rays, cast_rays});
     for (const std::size_t every : {100, 1000}) {
+        proxima.build(work.poses);
         std::vector<double> moving;
-        for (int round = 0; round < options.rounds; ++round) {
+        for (int round = 0; round < rounds; ++round) {
             const double start = processor_seconds();
-            proxima.move_some(round % 2 == 0 ? work.poses : work.moved, every);
+            proxima.move_some(poses_of_round(round), every);
             moving.push_back(processor_seconds() - start);
         }
-        std::printf("  moving one in %-8zu  proxima %.4g ms\n", every, 1e3 * median(moving));
+        const std::string what = "moving one in " + std::to_string(every);
+        std::printf("  %-22s  %-26s %10.4g ms\n", what.c_str(), "proxima", 1e3 * median(moving));
     }
     for (const auto& peer : peers) {
+        peer->prepare_build(work.poses);
         peer->build(work.poses);
-        peer->prepare(work.rays);
     }
-    const double per_ray = 1e6 / static_cast<double>(work.rays.size());
-    // Embree shortens a ray that has hit: it has to be prepared again.
-    std::vector<std::vector<double>> seconds(peers.size());
-    for (int round = 0; round < options.rounds; ++round) {
-        for (std::size_t i = 0; i < peers.size(); ++i) {
-            if (!rays(*peers[i])) continue;
-            peers[i]->prepare(work.rays);
-            const double start = processor_seconds();
-            peers[i]->cast_rays();
-            seconds[i].push_back(processor_seconds() - start);
-        }
-    }
-    std::printf("  %-22s", "closest hit of a ray");
-    for (std::size_t i = 0; i < peers.size(); ++i) {
-        if (seconds[i].empty()) continue;
-        std::printf("  %s %.4g us", peers[i]->name().c_str(), per_ray * median(seconds[i]));
-        if (i > 0) std::printf(" (x%.2f)", median(seconds[i]) / median(seconds[0]));
-    }
-    std::puts("");
-    table.row("all pairs in contact", 1e3, "ms", options.rounds, pairs,
-              [](ScenePeer& peer) { (void)peer.find_pairs(); });
-    table.row("boxes that overlap", 1e3, "ms", options.rounds, pairs,
-              [](ScenePeer& peer) { (void)peer.count_overlaps(); });
+    print_row(peers, rounds, {"closest hit", per_ray, "us", rays, prepare_rays, cast_rays});
+    print_row(peers, rounds,
+              {"all pairs in contact", 1e3, "ms", pairs, nothing,
+               [](ScenePeer& peer, int /*round*/) { (void)peer.find_pairs(); }});
+    print_row(peers, rounds,
+              {"boxes that overlap", 1e3, "ms", pairs, nothing,
+               [](ScenePeer& peer, int /*round*/) { (void)peer.count_overlaps(); }});
     std::vector<double> nearest;
     double sum = 0;
-    for (int round = 0; round < options.rounds; ++round) {
+    for (int round = 0; round < rounds; ++round) {
         const double start = processor_seconds();
         for (const Vec3& p : work.points) sum += closest_feature(proxima.scene(), p)->distance;
         nearest.push_back(processor_seconds() - start);
     }
-    std::printf("  %-22s  proxima %.4g us\n", "closest feature", per_ray * median(nearest));
+    std::printf("  %-22s  %-26s %10.4g us\n", "closest feature", "proxima",
+                per_ray * median(nearest));
     compare(peers, work.rays.size());
     if (!(sum > 0)) std::puts("  no point is off the surfaces");
 }
