@@ -36,8 +36,10 @@ COLUMNS = ["Rank", "Cells", "Triangles", "Leaves", "Pairs split", "Pointers", "W
 
 def ranks_command(program, ranks, arguments):
     root = ["--allow-run-as-root"] if os.geteuid() == 0 else []
+    # Not bound: by default, mpirun binds one or two ranks to the first cores, so that two runs at once would share a core.
     # Containers forbid the copies between processes that Open MPI would make by a system call.
-    return ["mpirun", *root, "--oversubscribe", "-n", str(ranks), "--mca", "btl_vader_single_copy_mechanism", "none", program, "octree", *arguments]
+    return ["mpirun", *root, "--oversubscribe", "--bind-to", "none", "-n", str(ranks),
+            "--mca", "btl_vader_single_copy_mechanism", "none", program, "octree", *arguments]
 
 
 def rank_rows(output):

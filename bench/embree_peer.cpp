@@ -151,7 +151,8 @@ std::vector<TriangleId> along_curve(const TriangleMesh& mesh, const Box& box)
         middles.push_back(bounding_box(mesh.triangle(TriangleId{i})).center());
     std::vector<TriangleId> order;
     order.reserve(middles.size());
-    for (const std::uint32_t i : morton_order(middles, box)) order.push_back(TriangleId{i});
+    for (const std::uint32_t i : morton_order(middles, box, most_order_bits))
+        order.push_back(TriangleId{i});
     return order;
 }
 
@@ -231,10 +232,19 @@ PeerAnswer EmbreePeer::closest(const Vec3& point)
 
 std::size_t EmbreePeer::bytes() const
 {
+    std::size_t sum = 0;
+    for (const BytePart& part : byte_parts()) sum += part.bytes;
+    return sum;
+}
+
+std::array<BytePart, 3> EmbreePeer::byte_parts() const
+{
     const Triangles& triangles = built_->triangles;
-    return static_cast<std::size_t>(built_->embree_bytes) + triangles.exact.bytes() +
-           triangles.quick.size() * sizeof(triangles.quick[0]) +
-           triangles.ids.size() * sizeof(triangles.ids[0]);
+    return {
+        {{"Embree's own", static_cast<std::size_t>(built_->embree_bytes)},
+         {"triangles in floats and their ids", triangles.quick.size() * sizeof(triangles.quick[0]) +
+                                                   triangles.ids.size() * sizeof(triangles.ids[0])},
+         {"triangles in doubles", triangles.exact.bytes()}}};
 }
 
 WarmEmbreePeer::WarmEmbreePeer(const TriangleMesh& mesh)
@@ -243,7 +253,12 @@ WarmEmbreePeer::WarmEmbreePeer(const TriangleMesh& mesh)
 
 void WarmEmbreePeer::closest(std::span<const Vec3> points, std::span<PeerAnswer> answers)
 {
-    for (const std::uint32_t i : morton_order(points, box_)) answers[i] = closest(points[i]);
+    if (pays_to_sort(points, box_)) {
+        for (const std::uint32_t i : morton_order(points, box_, batch_order_bits))
+            answers[i] = closest(points[i]);
+    } else {
+        for (std::size_t i = 0; i < points.size(); ++i) answers[i] = closest(points[i]);
+    }
 }
 
 } // namespace proxima::bench

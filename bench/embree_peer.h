@@ -8,6 +8,7 @@
 
 #include "proximity_peers.h"
 
+#include <array>
 #include <cstdint>
 #include <memory>
 
@@ -17,7 +18,8 @@ namespace proxima::bench {
 enum class FirstRadius : std::uint8_t {
     infinite,
     /// The last distance plus how far the point moved since: a bound that always holds. Batches
-    /// are sorted along a Morton curve first, so that each point is near the last.
+    /// whose neighbours are apart are sorted along a Morton curve first, so that each point is
+    /// near the last.
     warm
 };
 
@@ -31,6 +33,9 @@ public:
 
     [[nodiscard]] PeerAnswer closest(const Vec3& point);
     [[nodiscard]] std::size_t bytes() const;
+    /// Embree's tree; what the adapter tests in place of Embree's triangles; and what it adds for
+    /// answers in doubles.
+    [[nodiscard]] std::array<BytePart, 3> byte_parts() const;
 
 private:
     struct Built;

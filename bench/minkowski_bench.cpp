@@ -1,6 +1,12 @@
 // Minkowski sums: triangle and cube in closed form against the thesis's geometric method and an
-// incremental hull, and two polytopes by arcs against the convex hull of all pair sums by CGAL.
+// incremental hull, and two polytopes against the convex hull of all pairwise sums by CGAL.
 // Run by scripts/bench minkowski, which prints the ratios of one interleaved run.
+//
+//     hulls_and_sum           from two sets of points: our convex hulls of both, then their sum
+//     CGAL_hull_of_pair_sums  from all pairwise sums of the same points: CGAL's convex hull
+//     hulls_alone, sum_alone  the two parts of hulls_and_sum
+//
+// All points, and CGAL's pairwise sums, exist before the clock starts.
 
 #include "instruction_set.h"
 #include "proxima/convex_polyhedron.h"
@@ -14,7 +20,8 @@
 #include <CGAL/convex_hull_3.h>
 #include <benchmark/benchmark.h>
 
-#include <cstdio>
+#include <array>
+#include <optional>
 #include <random>
 #include <string>
 #include <vector>
@@ -37,11 +44,6 @@ std::vector<Vec3> points_on_sphere(unsigned seed, int count)
     return points;
 }
 
-ConvexPolyhedron polytope(unsigned seed, int count)
-{
-    return convex_hull(points_on_sphere(seed, count)).value();
-}
-
 std::vector<Triangle> random_triangles()
 {
     std::mt19937 random(7);
@@ -57,68 +59,104 @@ std::vector<Triangle> random_triangles()
 
 constexpr double half_size = 0.25;
 
-/// Runs one way of summing over all triangles; `sum` returns how many planes bound the sum.
-template <class Sum>
-void sum_triangles(benchmark::State& state, Sum sum)
+/// Beyond so many points of a set, all pairwise sums take CGAL seconds and gigabytes.
+constexpr int most_points_of_cgal = 1000;
+
+/// Times one method over all triangles. The label tells what the sums of all triangles consist of,
+/// counted once, outside of the timed part.
+template <class Method>
+void sum_triangles(benchmark::State& state)
 {
     const std::vector<Triangle> triangles = random_triangles();
-    std::uint64_t planes = 0;
     for ([[maybe_unused]] auto iteration : state) {
-        planes = 0;
         for (const Triangle& triangle : triangles)
-            planes += static_cast<std::uint64_t>(sum(triangle));
+            benchmark::DoNotOptimize(Method::sum_of(triangle));
     }
-    state.SetLabel("planes " + std::to_string(planes) + " of 1000 sums");
+    std::size_t count = 0;
+    for (const Triangle& triangle : triangles) count += Method::count(Method::sum_of(triangle));
+    state.SetLabel(std::to_string(count) + ' ' + Method::counted + " of " +
+                   std::to_string(triangles.size()) + " sums");
 }
 
-int closed_form(const Triangle& triangle)
-{
-    proxima::TriangleCubeSum<double> sum({{{triangle[0].x(), triangle[0].y(), triangle[0].z()},
-                                           {triangle[1].x(), triangle[1].y(), triangle[1].z()},
-                                           {triangle[2].x(), triangle[2].y(), triangle[2].z()}}});
-    sum.set_half_size(half_size);
-    benchmark::DoNotOptimize(sum);
-    return triangle_cube_half_spaces;
-}
+struct ClosedForm {
+    static constexpr const char* counted = "half-spaces whose normal is not zero";
 
-int geometric(const Triangle& triangle)
-{
-    const auto sum =
-        geometric_sum<double>(triangle_features<double>(triangle), Vec3::Constant(half_size));
-    benchmark::DoNotOptimize(sum);
-    return sum.count;
-}
+    static TriangleCubeSum<double> sum_of(const Triangle& triangle)
+    {
+        TriangleCubeSum<double> sum({{{triangle[0].x(), triangle[0].y(), triangle[0].z()},
+                                      {triangle[1].x(), triangle[1].y(), triangle[1].z()},
+                                      {triangle[2].x(), triangle[2].y(), triangle[2].z()}}});
+        sum.set_half_size(half_size);
+        return sum;
+    }
+    static std::size_t count(const TriangleCubeSum<double>& sum)
+    {
+        std::size_t facets = 0;
+        for (int i = 0; i < triangle_cube_half_spaces; ++i)
+            facets += sum.normal(i) != Triple<double>{} ? 1 : 0;
+        return facets;
+    }
+};
 
-int hull(const Triangle& triangle)
-{
-    std::array<Vec3, 24> sums;
-    for (std::size_t j = 0; j < 3; ++j) {
-        for (std::size_t i = 0; i < 8; ++i) {
-            sums[i + 8 * j] = triangle.vertices[j] +
-                              cube_vertex<double>(static_cast<int>(i), Vec3::Constant(half_size));
+struct Geometric {
+    static constexpr const char* counted = "planes";
+
+    static auto sum_of(const Triangle& triangle)
+    {
+        return geometric_sum<double>(triangle_features<double>(triangle),
+                                     Vec3::Constant(half_size));
+    }
+    template <class Sum>
+    static std::size_t count(const Sum& sum)
+    {
+        return static_cast<std::size_t>(sum.count);
+    }
+};
+
+struct Hull {
+    static constexpr const char* counted = "triangles";
+
+    static std::optional<std::vector<HullFace<double>>> sum_of(const Triangle& triangle)
+    {
+        std::array<Vec3, 24> sums;
+        for (std::size_t j = 0; j < 3; ++j) {
+            for (std::size_t i = 0; i < 8; ++i) {
+                sums[i + 8 * j] =
+                    triangle.vertices[j] +
+                    cube_vertex<double>(static_cast<int>(i), Vec3::Constant(half_size));
+            }
         }
+        return incremental_hull<double>(sums);
     }
-    const auto faces = incremental_hull<double>(sums);
-    benchmark::DoNotOptimize(faces);
-    return faces ? static_cast<int>(faces->size()) : 0;
+    static std::size_t count(const std::optional<std::vector<HullFace<double>>>& faces)
+    {
+        return faces ? faces->size() : 0;
+    }
+};
+
+std::string sum_label(const ConvexPolyhedron& a, const ConvexPolyhedron& b, std::size_t facets)
+{
+    return std::to_string(a.facet_count()) + " + " + std::to_string(b.facet_count()) +
+           " facets make " + std::to_string(facets);
 }
 
-void by_arcs(benchmark::State& state, int count)
+void hulls_and_sum(benchmark::State& state, int count)
 {
-    const ConvexPolyhedron a = polytope(1, count);
-    const ConvexPolyhedron b = polytope(2, count);
+    const auto p = points_on_sphere(1, count);
+    const auto q = points_on_sphere(2, count);
     std::size_t facets = 0;
     for ([[maybe_unused]] auto iteration : state) {
-        const auto sum = minkowski_sum(a, b);
+        const auto a = convex_hull(p);
+        const auto b = convex_hull(q);
+        const auto sum = minkowski_sum(*a, *b);
         facets = sum->facet_count();
         benchmark::DoNotOptimize(sum);
     }
-    state.SetLabel(std::to_string(a.facet_count()) + " + " + std::to_string(b.facet_count()) +
-                   " facets make " + std::to_string(facets));
+    state.SetLabel(sum_label(*convex_hull(p), *convex_hull(q), facets));
     state.counters["facets"] = static_cast<double>(facets);
 }
 
-void hulls_of_both(benchmark::State& state, int count)
+void hulls_alone(benchmark::State& state, int count)
 {
     const auto p = points_on_sphere(1, count);
     const auto q = points_on_sphere(2, count);
@@ -128,19 +166,33 @@ void hulls_of_both(benchmark::State& state, int count)
     }
 }
 
-void by_cgal(benchmark::State& state, int count)
+void sum_alone(benchmark::State& state, int count)
 {
+    const ConvexPolyhedron a = convex_hull(points_on_sphere(1, count)).value();
+    const ConvexPolyhedron b = convex_hull(points_on_sphere(2, count)).value();
+    std::size_t facets = 0;
+    for ([[maybe_unused]] auto iteration : state) {
+        const auto sum = minkowski_sum(a, b);
+        facets = sum->facet_count();
+        benchmark::DoNotOptimize(sum);
+    }
+    state.SetLabel(sum_label(a, b, facets));
+    state.counters["facets"] = static_cast<double>(facets);
+}
+
+void cgal_hull_of_pair_sums(benchmark::State& state, int count)
+{
+    const auto p = points_on_sphere(1, count);
+    std::vector<Kernel::Point_3> sums;
+    sums.reserve(p.size() * p.size());
+    for (const Vec3& b : points_on_sphere(2, count)) {
+        for (const Vec3& a : p) {
+            const Vec3 s = a + b;
+            sums.emplace_back(s.x(), s.y(), s.z());
+        }
+    }
     std::size_t faces = 0;
     for ([[maybe_unused]] auto iteration : state) {
-        std::vector<Kernel::Point_3> sums;
-        sums.reserve(static_cast<std::size_t>(count) * static_cast<std::size_t>(count));
-        const auto p = points_on_sphere(1, count);
-        for (const Vec3& b : points_on_sphere(2, count)) {
-            for (const Vec3& a : p) {
-                const Vec3 s = a + b;
-                sums.emplace_back(s.x(), s.y(), s.z());
-            }
-        }
         CGAL::Surface_mesh<Kernel::Point_3> result;
         CGAL::convex_hull_3(sums.begin(), sums.end(), result);
         faces = result.number_of_faces();
@@ -164,22 +216,17 @@ int main(int argc, char** argv)
     benchmark::Initialize(&argc, argv);
     if (!use_instruction_set_asked_for()) return 2;
     if (benchmark::ReportUnrecognizedArguments(argc, argv)) return 1;
-    const auto over_triangles = [](auto sum) {
-        return [sum](benchmark::State& state) { sum_triangles(state, sum); };
-    };
-    add("triangle_cube_x1000/closed_form", over_triangles(closed_form));
-    add("triangle_cube_x1000/geometric", over_triangles(geometric));
-    add("triangle_cube_x1000/hull", over_triangles(hull));
-    for (const int count : {10, 30, 100, 300, 1000}) {
+    add("triangle_cube_x1000/closed_form", sum_triangles<ClosedForm>);
+    add("triangle_cube_x1000/geometric", sum_triangles<Geometric>);
+    add("triangle_cube_x1000/hull", sum_triangles<Hull>);
+    for (const int count : {10, 30, 100, 300, 1000, 3000, 10000}) {
         const std::string group = "polytopes_of_" + std::to_string(count) + '/';
-        add(group + "arcs", by_arcs, count);
-        add(group + "hulls_of_both_operands", hulls_of_both, count);
-        add(group + "CGAL_hull_of_pair_sums", by_cgal, count);
-    }
-    for (const int count : {3000, 10000}) {
-        const std::string group = "polytopes_of_" + std::to_string(count) + '/';
-        add(group + "arcs", by_arcs, count);
-        add(group + "hulls_of_both_operands", hulls_of_both, count);
+        // The first row of a group is what the others are compared with.
+        add(group + "hulls_and_sum", hulls_and_sum, count);
+        add(group + "hulls_alone", hulls_alone, count);
+        add(group + "sum_alone", sum_alone, count);
+        if (count <= most_points_of_cgal)
+            add(group + "CGAL_hull_of_pair_sums", cgal_hull_of_pair_sums, count);
     }
     benchmark::RunSpecifiedBenchmarks();
     return 0;

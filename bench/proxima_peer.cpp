@@ -4,6 +4,7 @@
 #include "proxima/closest_feature.h"
 #include "proxima/mesh_index.h"
 
+#include <optional>
 #include <vector>
 
 namespace proxima::bench {
@@ -37,7 +38,35 @@ private:
     std::vector<ClosestFeature> features_; ///< kept for the next batch
 };
 
+/// Each query begins with the answer of the one before.
+class WarmProximaPeer {
+public:
+    explicit WarmProximaPeer(const MeshIndex& index) : index_(index) {}
+
+    [[nodiscard]] PeerAnswer closest(const Vec3& point)
+    {
+        last_ = *closest_feature(index_, point, {.start_from = last_ ? &*last_ : nullptr});
+        return answer_of(*last_);
+    }
+    [[nodiscard]] std::size_t bytes() const { return index_.bytes(); }
+
+private:
+    MeshIndex index_;
+    std::optional<ClosestFeature> last_;
+};
+
 } // namespace
+
+Result<std::unique_ptr<Contender>> make_warm_proxima_peer(const TriangleMesh& mesh)
+{
+    const double start = processor_seconds();
+    const auto index = build_mesh_index(mesh, {.execution = {.threads = {1}}});
+    if (!index) return tl::unexpected(index.error());
+    const double seconds = processor_seconds() - start;
+    auto contender = make_contender<WarmProximaPeer>("tree-warm", *index);
+    contender->build_seconds = seconds;
+    return contender;
+}
 
 Result<std::unique_ptr<Contender>> make_proxima_peer(const TriangleMesh& mesh,
                                                      std::uint64_t list_bytes_per_triangle)

@@ -12,4 +12,7 @@ namespace proxima::bench {
 [[nodiscard]] Result<std::unique_ptr<Contender>>
 make_proxima_peer(const TriangleMesh& mesh, std::uint64_t list_bytes_per_triangle);
 
+/// The tree alone; each single query starts from the answer of the last one. Errors: those of the build.
+[[nodiscard]] Result<std::unique_ptr<Contender>> make_warm_proxima_peer(const TriangleMesh& mesh);
+
 } // namespace proxima::bench

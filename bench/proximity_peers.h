@@ -22,6 +22,7 @@
 #include <span>
 #include <string>
 #include <utility>
+#include <vector>
 
 namespace proxima::bench {
 
@@ -29,6 +30,12 @@ namespace proxima::bench {
 struct PeerAnswer {
     double squared_distance = std::numeric_limits<double>::infinity();
     TriangleId triangle{};
+};
+
+/// A part of a peer's bytes, by what it is for.
+struct BytePart {
+    const char* name;
+    std::size_t bytes;
 };
 
 /// Answers one query; may keep something from one query to the next, for the next to profit from.
@@ -49,6 +56,13 @@ concept BatchPeer = ClosestPointPeer<P> &&
     requires(P& peer, std::span<const Vec3> points, std::span<PeerAnswer> answers)
 {
     peer.closest(points, answers);
+};
+
+/// Tells what its bytes are made up of.
+template <class P>
+concept TellsByteParts = requires(const P& built)
+{
+    built.byte_parts();
 };
 
 /// Nanoseconds by the steady clock. Reading it waits for the instructions before it.
@@ -79,6 +93,8 @@ public:
     virtual ~Contender() = default;
 
     [[nodiscard]] virtual std::size_t bytes() const = 0;
+    /// What bytes() are made up of; empty where the peer does not tell.
+    [[nodiscard]] virtual std::vector<BytePart> byte_parts() const = 0;
     [[nodiscard]] virtual bool takes_batches() const = 0;
 
     /// One query after the other.
@@ -91,8 +107,9 @@ public:
                            std::span<double> nanoseconds) = 0;
 
     std::string name;
-    double build_seconds = 0;
-    std::size_t at_most = 0; ///< how many queries of a set it is asked, 0: all
+    double build_seconds = 0; ///< the median, where it was built more than once
+    std::size_t builds = 1;   ///< how many times it was built
+    std::size_t at_most = 0;  ///< how many queries of a set it is asked, 0: all
 };
 
 template <ClosestPointPeer P>
@@ -103,6 +120,15 @@ public:
     {}
 
     [[nodiscard]] std::size_t bytes() const override { return peer_.bytes(); }
+    [[nodiscard]] std::vector<BytePart> byte_parts() const override
+    {
+        if constexpr (TellsByteParts<P>) {
+            const auto parts = peer_.byte_parts();
+            return {parts.begin(), parts.end()};
+        } else {
+            return {};
+        }
+    }
     [[nodiscard]] bool takes_batches() const override { return BatchPeer<P>; }
 
     void answer_singly(std::span<const Vec3> points, std::span<PeerAnswer> answers) override

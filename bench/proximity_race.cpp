@@ -9,8 +9,6 @@
 namespace proxima::bench {
 namespace {
 
-constexpr double tolerance = 1e-12; ///< of the diagonal
-
 /// One contender on one set: what it is asked and what it said.
 struct Entry {
     Contender* contender = nullptr;
@@ -19,12 +17,6 @@ struct Entry {
     std::vector<PeerAnswer> single;
     std::vector<PeerAnswer> batch; ///< empty where the contender takes no batches
     SetResult result;
-
-    /// Where its ith point is in the whole set.
-    [[nodiscard]] std::size_t place(std::size_t i) const
-    {
-        return sample.places.empty() ? i : sample.places[i];
-    }
 };
 
 Entry make_entry(Contender& contender, const QuerySet& set)
@@ -102,39 +94,55 @@ std::uint64_t hash_of(std::span<const PeerAnswer> answers)
     return hash;
 }
 
-/// Holds the answers of all contenders against the mesh and against each other.
-void compare(const TriangleMesh& mesh, std::span<Entry> entries, std::size_t queries)
+/// Compares the last answers of all contenders, those of single queries and those of batches.
+void compare_entries(const TriangleMesh& mesh, std::span<Entry> entries, std::size_t queries)
+{
+    std::vector<GivenAnswers> given;
+    for (const Entry& entry : entries) {
+        given.push_back({entry.points, entry.sample.places, entry.single});
+        given.push_back({entry.points, entry.sample.places, entry.batch});
+    }
+    const auto agreements = compare(mesh, given, queries);
+    for (std::size_t i = 0; i < entries.size(); ++i) {
+        SetResult& result = entries[i].result;
+        result.agreement.add(agreements[2 * i]);
+        result.agreement.add(agreements[2 * i + 1]);
+        result.hash = hash_of(entries[i].single);
+    }
+}
+
+} // namespace
+
+std::vector<Agreement> compare(const TriangleMesh& mesh, std::span<const GivenAnswers> given,
+                               std::size_t points)
 {
     const double diagonal = bounding_box(mesh).extent().norm();
     const auto true_distance = [&](const PeerAnswer& answer, const Vec3& point) {
         return (closest_point(mesh.triangle(answer.triangle), point).point - point).norm();
     };
     const auto for_each_answer = [&](auto visit) {
-        for (Entry& entry : entries) {
-            for (const auto* answers : {&entry.single, &entry.batch}) {
-                for (std::size_t i = 0; i < answers->size(); ++i) {
-                    const PeerAnswer& answer = (*answers)[i];
-                    visit(entry, entry.place(i), answer, true_distance(answer, entry.points[i]));
-                }
+        for (std::size_t g = 0; g < given.size(); ++g) {
+            const auto& [at, places, answers] = given[g];
+            for (std::size_t i = 0; i < answers.size(); ++i) {
+                const std::size_t place = places.empty() ? i : places[i];
+                visit(g, place, answers[i], true_distance(answers[i], at[i]));
             }
         }
     };
-    std::vector<double> best(queries, std::numeric_limits<double>::infinity());
-    for_each_answer([&](const Entry&, std::size_t place, const PeerAnswer&, double distance) {
+    std::vector<double> best(points, std::numeric_limits<double>::infinity());
+    for_each_answer([&](std::size_t, std::size_t place, const PeerAnswer&, double distance) {
         best[place] = std::min(best[place], distance);
     });
+    std::vector<Agreement> agreements(given.size());
     for_each_answer(
-        [&](Entry& entry, std::size_t place, const PeerAnswer& answer, double distance) {
+        [&](std::size_t g, std::size_t place, const PeerAnswer& answer, double distance) {
             const double claimed = std::sqrt(answer.squared_distance);
             const double off =
                 std::max(std::abs(claimed - distance), distance - best[place]) / diagonal;
-            entry.result.deviation = std::max(entry.result.deviation, off);
-            entry.result.wrong += off <= tolerance ? 0 : 1;
+            agreements[g].add({off, off <= answer_tolerance ? std::size_t{0} : 1});
         });
-    for (Entry& entry : entries) entry.result.hash = hash_of(entry.single);
+    return agreements;
 }
-
-} // namespace
 
 std::vector<RaceResult> race(const TriangleMesh& mesh,
                              std::span<const std::unique_ptr<Contender>> contenders,
@@ -150,7 +158,7 @@ std::vector<RaceResult> race(const TriangleMesh& mesh,
         for (auto& field : fields) run_round(field, static_cast<std::size_t>(round));
     for (std::size_t s = 0; s < sets.size(); ++s) {
         measure_tails(fields[s], options.tail_passes);
-        compare(mesh, fields[s], sets[s].points.size());
+        compare_entries(mesh, fields[s], sets[s].points.size());
         for (std::size_t i = 0; i < results.size(); ++i)
             results[i].sets[s] = std::move(fields[s][i].result);
     }

@@ -10,11 +10,41 @@
 #include "proximity_peers.h"
 #include "query_sample.h"
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 namespace proxima::bench {
+
+/// How far a distance may be off, over the diagonal of the mesh's box: all peers answer in double.
+inline constexpr double answer_tolerance = 1e-12;
+
+/// What one contender answered to some points of a set.
+struct GivenAnswers {
+    std::span<const Vec3> points;
+    std::span<const std::uint32_t> places; ///< of the points in the set; empty: its first ones
+    std::span<const PeerAnswer> answers;   ///< one for each point, or none at all
+};
+
+struct Agreement {
+    /// The most that a distance was off, over the diagonal of the mesh's box: from the true
+    /// distance of the triangle that was named, or from the least distance that any peer found.
+    double deviation = 0;
+    std::size_t wrong = 0; ///< answers off by more than answer_tolerance
+
+    void add(const Agreement& other)
+    {
+        deviation = std::max(deviation, other.deviation);
+        wrong += other.wrong;
+    }
+};
+
+/// Compares answers with the mesh and with each other. One result for each, in their order.
+/// `points` is the size of the set.
+[[nodiscard]] std::vector<Agreement>
+compare(const TriangleMesh& mesh, std::span<const GivenAnswers> given, std::size_t points);
 
 struct RaceOptions {
     int rounds = 5;
@@ -35,11 +65,7 @@ struct SetResult {
     std::vector<double> single; ///< mean nanoseconds per query, by round
     std::vector<double> batch;
     Tail tail;
-    /// The most that a distance, single or in a batch, was off, over the diagonal of the mesh's
-    /// box: from the true distance of the triangle that was named, or from the least distance that
-    /// any peer found.
-    double deviation = 0;
-    std::size_t wrong = 0;  ///< answers off by more than 1e-12 of the diagonal
+    Agreement agreement;    ///< of single queries and of batches
     std::uint64_t hash = 0; ///< of the distances and triangles of single queries
 };
 

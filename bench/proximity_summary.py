@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""Prints the tables of a report by proximity_bench: per mesh the medians of all rounds, ratios to Embree in the
-same run, agreement, and tails. A report made with --curve is printed as CSV instead, one line per mesh and budget.
+"""Prints the tables of a report by proximity_bench: per mesh the medians of all rounds, ratios to the fastest of
+Embree in the same run, agreement, and tails. A report made with --curve is printed as CSV instead, one line per mesh and budget.
 
     bench/proximity_summary.py REPORT.json
 """
@@ -24,24 +24,36 @@ def load_text(mesh):
     return f"load {before} before and {after} after"
 
 
+def fastest_of_embree(times):
+    """Of each column the name and time of the faster one of Embree's peers; None where there is none."""
+    peers = [name for name in ("embree", "embree-warm") if name in times]
+
+    def fastest(column):
+        there = [(times[name][column], name) for name in peers if times[name][column] is not None]
+        return min(there, default=None)
+
+    return [fastest(column) for column in range(2 * len(SETS))]
+
+
 def print_means(methods, triangles):
-    singles = {m["name"]: [median(m["sets"][s]["single"]) for s in SETS] for m in methods}
-    batches = {m["name"]: [median(m["sets"][s]["batch"]) for s in SETS] for m in methods}
-    base = singles.get("embree")
-    ratios = base is not None
-
-    def times_faster(times):
-        return [b / t if ratios and t is not None else None for b, t in zip(base or times, times)]
-
-    heads = [f"single {s}" for s in SETS] + [f"batch {s}" for s in SETS]
-    print("\nNanoseconds per query" + (", and how many times as fast as Embree's single queries" if ratios else ""))
-    print(f"  {'':14s}{'bytes/tri':>10s}{'build s':>9s}" + "".join(h.rjust(10) for h in heads))
+    times = {m["name"]: [median(m["sets"][s][kind]) for kind in ("single", "batch") for s in SETS] for m in methods}
+    bases = fastest_of_embree(times)
+    heads = [f"{kind} {s}" for kind in ("single", "batch") for s in SETS]
+    ratios = any(bases)
+    print("\nNanoseconds per query" + (", and how many times as fast as the faster peer of Embree in that column" if ratios else ""))
+    print(f"  {'':14s}{'bytes/tri':>10s}{'build s':>9s}{'of':>4s}" + "".join(h.rjust(12) for h in heads))
     for m in methods:
-        times = singles[m["name"]] + batches[m["name"]]
-        print(f"  {m['name']:14s}{m['bytes'] / triangles:10.0f}{m['build_seconds']:9.2f}" + cells(times, 10))
+        print(f"  {m['name']:14s}{m['bytes'] / triangles:10.0f}{m['build_seconds']:9.3f}{m['builds']:4d}" + cells(times[m["name"]], 12))
         if ratios:
-            factors = times_faster(singles[m["name"]]) + times_faster(batches[m["name"]])
-            print(f"  {'':33s}" + cells(factors, 10, "{:.2f} x"))
+            factors = [base[0] / time if base and time is not None else None for base, time in zip(bases, times[m["name"]])]
+            print(f"  {'':37s}" + cells(factors, 12, "{:.2f} x"))
+    if ratios:
+        print(f"  {'ratios are to':37s}" + "".join((base[1] if base else "-").rjust(12) for base in bases))
+    print("  build s: the median of so many builds in turn, processor time")
+    for m in methods:
+        if "byte_parts" in m:
+            parts = " + ".join(f"{name} {size / triangles:.0f}" for name, size in m["byte_parts"].items())
+            print(f"  bytes/tri of {m['name']}: {parts}")
 
 
 def print_agreement(methods):

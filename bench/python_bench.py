@@ -37,8 +37,37 @@ def cpu_of(code, runs=9):
                                                         text=True).stdout) for _ in range(runs))
 
 
+def distance_to_triangles(points, corners):
+    """How far each point is from the triangle of the same row, (N, 3, 3)."""
+    least = np.full(len(points), np.inf)
+    normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    above_inside = np.linalg.norm(normal, axis=1) > 0
+    for number in range(3):
+        begin, end = corners[:, number], corners[:, (number + 1) % 3]
+        side, from_begin = end - begin, points - begin
+        length = np.maximum(np.sum(side * side, axis=1), np.finfo(float).tiny)
+        share = np.clip(np.sum(from_begin * side, axis=1) / length, 0, 1)
+        least = np.minimum(least, np.linalg.norm(from_begin - share[:, None] * side, axis=1))
+        above_inside &= np.sum(np.cross(normal, side) * from_begin, axis=1) >= 0
+    unit = normal[above_inside] / np.linalg.norm(normal[above_inside], axis=1, keepdims=True)
+    least[above_inside] = np.abs(np.sum((points - corners[:, 0])[above_inside] * unit, axis=1))
+    return least
+
+
+def check_closest(name, mesh, points, answer, least, noise):
+    """Ends the program where closest points or triangles are wrong by more than noise of the least distances. Where the nearest
+    triangle is unique up to noise, no other one passes."""
+    near, triangle = (np.asarray(column, dtype) for column, dtype in zip(answer, ("f8", "i8")))
+    corners = np.asarray(mesh.vertices)[np.asarray(mesh.faces)[triangle]]
+    for what, off in (("distances", np.abs(np.linalg.norm(points - near, axis=1) - least)),
+                      ("distances to the triangles named", np.abs(distance_to_triangles(points, corners) - least)),
+                      ("points", distance_to_triangles(near, corners))):
+        if not off.max() <= noise:
+            sys.exit(f"{name}: {what} are off by {off.max()}, more than {noise}")
+
+
 def against_open3d(mesh, index, points, rounds):
-    """Processor time of closest points and triangles, one thread each, floats in for both."""
+    """Processor time of closest points and triangles, one thread each, floats in for both. All answers are compared."""
     try:
         import open3d
     except ImportError:
@@ -54,26 +83,42 @@ def against_open3d(mesh, index, points, rounds):
     near = np.asarray(mesh.vertices)[random.integers(len(mesh.vertices), size=20_000)]
     near = near + 0.01 * np.ptp(mesh.bounds, axis=0).max() * random.uniform(-1, 1, near.shape)
     name = f"Open3D {open3d.__version__}"
+    size = np.ptp(mesh.bounds)
     print(f"\nclosest points and triangles of 20000 points as float32, one thread each; the ratio is that of {name} to ours")
     print(f"{'':46}{name:>14}{'ours':>12}{'ratio':>8}")
     for where, some in (("in the box", points[:20_000]), ("near the surface", near)):
         given = some.astype("f4")
-        theirs = scene.compute_closest_points(tensor(given), nthreads=1)["points"].numpy()
-        ours = index.closest(given, columns=("point",), threads=1).point
-        far = np.abs(np.linalg.norm(given - ours, axis=1) - np.linalg.norm(given - theirs, axis=1)).max()
-        if far > 1e-5 * np.ptp(mesh.bounds):
-            sys.exit(f"the distances of Open3D differ by {far}")
-        for kind, mine in (("Index(mesh)", lambda: index.closest(given, columns=("point", "triangle"), threads=1)),
-                           ("Index(mesh, lists=True)", lambda: lists.closest(given, columns=("point", "triangle"), threads=1)),
-                           ("compat.open3d", lambda: adapter.compute_closest_points(given, nthreads=1))):
-            (their_time, our_time), ratio = median_times(
-                rounds, lambda: scene.compute_closest_points(tensor(given), nthreads=1), mine)
+        exact = given.astype("f8")
+
+        def open3d_closest():
+            return scene.compute_closest_points(tensor(given), nthreads=1)
+
+        def adapter_closest():
+            return adapter.compute_closest_points(given, nthreads=1)
+
+        def index_closest():
+            return index.closest(given, columns=("point", "triangle"), threads=1)
+
+        def lists_closest():
+            return lists.closest(given, columns=("point", "triangle"), threads=1)
+
+        sides = (("Index(mesh)", index_closest), ("Index(mesh, lists=True)", lists_closest), ("compat.open3d", adapter_closest))
+        of_index, of_lists, of_adapter, of_open3d = index_closest(), lists_closest(), adapter_closest(), open3d_closest()
+        answers = {"Index(mesh)": (of_index.point, of_index.triangle), "Index(mesh, lists=True)": (of_lists.point, of_lists.triangle),
+                   "compat.open3d": (of_adapter["points"], of_adapter["primitive_ids"]),
+                   name: (of_open3d["points"].numpy(), of_open3d["primitive_ids"].numpy())}
+        least = index.closest(given, columns=("distance",), threads=1).distance
+        for who, answer in answers.items():
+            in_doubles = who.startswith("Index")
+            check_closest(f"{where}, {who}", mesh, exact, answer, least, (1e-9 if in_doubles else 1e-5) * size)
+        for kind, mine in sides:
+            (their_time, our_time), ratio = median_times(rounds, open3d_closest, mine)
             us = 1e-6 * len(given)
             print(f"{f'{where}, {kind}':46}{their_time / us:11.3f} us{our_time / us:9.3f} us{ratio:8.1f}")
 
 
 def field_against_open3d(mesh, rounds):
-    """Processor time of a grid of signed distances, one thread each."""
+    """Processor time of a grid of signed distances, one thread each; no ratio where the signs of Open3D do not work."""
     try:
         import open3d
     except ImportError:
@@ -83,6 +128,7 @@ def field_against_open3d(mesh, rounds):
     scene.add_triangles(tensor(np.asarray(mesh.vertices, "f4")), tensor(np.asarray(mesh.faces)))
     index = proxima.Index(mesh, signs=True)
     name = f"Open3D {open3d.__version__}"
+    noise = 1e-4 * np.ptp(mesh.bounds)
     print(f"\nsigned distances on a grid, one thread each; the ratio is that of {name} to Index.distance_field")
     print(f"{'':46}{name:>14}{'ours':>12}{'ratio':>8}")
     for resolution in (64, 128):
@@ -90,13 +136,19 @@ def field_against_open3d(mesh, rounds):
         places = np.stack(np.meshgrid(*map(np.arange, field.distance.shape), indexing="ij"), axis=-1)
         given = tensor((field.origin + field.spacing * places).astype("f4"))
         theirs = scene.compute_signed_distance(given, nthreads=1).numpy()
-        off = np.abs(theirs - field.distance)
-        (their_time, our_time), ratio = median_times(
-            rounds, lambda: scene.compute_signed_distance(given, nthreads=1), lambda: index.distance_field(resolution, threads=1))
-        us = 1e-6 * field.distance.size
         size = " x ".join(map(str, field.distance.shape))
-        print(f"{size:46}{their_time / us:11.3f} us{our_time / us:9.3f} us{ratio:8.1f}")
-        print(f"    {np.count_nonzero(off > 1e-4 * np.ptp(mesh.bounds))} of {off.size} distances of {name} differ by more than 1e-4 of the size")
+        inside = np.count_nonzero(field.distance < -noise)
+        if inside and not np.any(theirs < 0):
+            print(f"{size:46}the signs of {name} do not work here: it finds no point inside, Index.distance_field {inside}")
+            off = np.abs(np.abs(theirs) - np.abs(field.distance))
+        else:
+            (their_time, our_time), ratio = median_times(
+                rounds, lambda: scene.compute_signed_distance(given, nthreads=1), lambda: index.distance_field(resolution, threads=1))
+            us = 1e-6 * field.distance.size
+            print(f"{size:46}{their_time / us:11.3f} us{our_time / us:9.3f} us{ratio:8.1f}")
+            off = np.abs(theirs - field.distance)
+        print(f"    {np.count_nonzero(off > noise)} of {off.size} distances of {name} differ by more than 1e-4 of the size"
+              + (", whatever their signs" if inside and not np.any(theirs < 0) else ""))
 
 
 def main():

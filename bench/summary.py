@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 """Prints medians of a Google Benchmark report, wall and processor time, and within each group "name/" the
-ratio to `fast`, or to the first row where there is none. Rows with "threads" in their name compare wall time
+ratio to `fast`, or to the row registered first where there is none. Rows with "threads" in their name compare wall time
 with wall time, the others processor time with processor time.
 
     bench/summary.py REPORT.json
@@ -26,7 +26,7 @@ def main(path):
         print(f"\n{group}")
         wall, cpu = ({method: statistics.median(run[clock] for run in runs)
                       for method, runs in methods.items()} for clock in ("real_time", "cpu_time"))
-        base = "fast" if "fast" in methods else next(iter(methods))
+        base = "fast" if "fast" in methods else min(methods, key=lambda method: methods[method][0]["family_index"])
         print(f"  {'':24s} {'wall':>10s}    {'cpu':>10s}    {'ratio':>10s}")
         for method, runs in sorted(methods.items(), key=lambda item: wall[item[0]]):
             clock = wall if "threads" in method else cpu
