@@ -37,10 +37,10 @@ IndexLeaf& last_leaf_of(EditableIndex& e)
     std::uint32_t at = e.root;
     while ((at & index_leaf_bit) == 0) {
         const IndexNode& node = e.blocks[at].node;
-        std::uint32_t last = index_leaf_bit;
-        for (std::uint32_t order = node.order; (order & 15U) != IndexNode::no_child; order >>= 4U)
-            last = node.children[order & 15U];
-        at = last;
+        for (std::uint32_t shift = 0; shift < 32; shift += 4) {
+            const std::uint32_t slot = node.order >> shift & 15U;
+            if (slot != IndexNode::no_child) at = node.children[slot];
+        }
     }
     return e.blocks[at & ~index_leaf_bit].leaf;
 }
