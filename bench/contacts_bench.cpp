@@ -94,6 +94,7 @@ std::vector<double> time_methods(std::span<const Method> methods, std::size_t ca
     std::vector<double> medians;
     for (const auto& cases_of_method : seconds) {
         std::vector<double> of_cases;
+        of_cases.reserve(cases);
         for (const auto& rounds_of_case : cases_of_method)
             of_cases.push_back(median(rounds_of_case));
         medians.push_back(median(of_cases));
