@@ -9,6 +9,7 @@
 #include <fcl/narrowphase/distance.h>
 
 #include <algorithm>
+#include <utility>
 #include <vector>
 
 namespace proxima::bench {
@@ -89,8 +90,8 @@ struct FclTranslation::Models {
     std::shared_ptr<FclModel> b;
 };
 
-FclTranslation::FclTranslation(const TriangleMesh& a, const TriangleMesh& b)
-    : a_(a), b_(b), models_(std::make_unique<Models>())
+FclTranslation::FclTranslation(TriangleMesh a, TriangleMesh b)
+    : a_(std::move(a)), b_(std::move(b)), models_(std::make_unique<Models>())
 {}
 
 FclTranslation::~FclTranslation() = default;

@@ -37,7 +37,7 @@ private:
 /// that it finds, whose time need not be the earliest.
 class FclTranslation {
 public:
-    FclTranslation(const TriangleMesh& a, const TriangleMesh& b);
+    FclTranslation(TriangleMesh a, TriangleMesh b);
     ~FclTranslation();
     FclTranslation(const FclTranslation&) = delete;
     FclTranslation& operator=(const FclTranslation&) = delete;
