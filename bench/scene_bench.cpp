@@ -234,9 +234,10 @@ void race(const std::string& name, const BenchOptions& options)
     peers.push_back(std::move(own));
 #ifdef PROXIMA_BENCH_EMBREE
     for (const auto top :
-         {EmbreeTopLevel::static_high_quality, EmbreeTopLevel::dynamic_low_quality})
+         {EmbreeTopLevel::static_high_quality, EmbreeTopLevel::dynamic_low_quality}) {
         for (const auto traversal : {EmbreeTraversal::fast, EmbreeTraversal::robust})
             peers.push_back(make_embree_scene_peer(*mesh, traversal, top));
+    }
 #endif
 #ifdef PROXIMA_BENCH_FCL
     peers.push_back(make_fcl_scene_peer(*mesh));
