@@ -55,34 +55,35 @@ private:
     std::optional<ClosestFeature> last_;
 };
 
-} // namespace
-
-Result<std::unique_ptr<Contender>> make_warm_proxima_peer(const TriangleMesh& mesh)
+/// Builds an index on one thread, with lists within a budget that is not 0, and times that.
+template <class Peer>
+Result<std::unique_ptr<Contender>> make_peer(const char* name, const TriangleMesh& mesh,
+                                             std::uint64_t list_bytes)
 {
     const double start = processor_seconds();
-    const auto index = build_mesh_index(mesh, {.execution = {.threads = {1}}});
+    auto index = build_mesh_index(mesh, {.execution = {.threads = {1}}});
+    if (index && list_bytes != 0) {
+        index = with_lists(*index, {.list_bytes = list_bytes, .execution = {.threads = {1}}});
+    }
     if (!index) return tl::unexpected(index.error());
     const double seconds = processor_seconds() - start;
-    auto contender = make_contender<WarmProximaPeer>("tree-warm", *index);
+    auto contender = make_contender<Peer>(name, *index);
     contender->build_seconds = seconds;
     return contender;
 }
 
+} // namespace
+
 Result<std::unique_ptr<Contender>> make_proxima_peer(const TriangleMesh& mesh,
                                                      std::uint64_t list_bytes_per_triangle)
 {
-    const double start = processor_seconds();
-    auto index = build_mesh_index(mesh, {.execution = {.threads = {1}}});
-    if (index && list_bytes_per_triangle != 0) {
-        index = with_lists(*index, {.list_bytes = list_bytes_per_triangle * mesh.triangle_count(),
-                                    .execution = {.threads = {1}}});
-    }
-    if (!index) return tl::unexpected(index.error());
-    const double seconds = processor_seconds() - start;
-    auto contender = make_contender<ProximaPeer>(list_bytes_per_triangle == 0 ? "tree" : "lists",
-                                                 std::move(*index));
-    contender->build_seconds = seconds;
-    return contender;
+    return make_peer<ProximaPeer>(list_bytes_per_triangle == 0 ? "tree" : "lists", mesh,
+                                  list_bytes_per_triangle * mesh.triangle_count());
+}
+
+Result<std::unique_ptr<Contender>> make_warm_proxima_peer(const TriangleMesh& mesh)
+{
+    return make_peer<WarmProximaPeer>("tree-warm", mesh, 0);
 }
 
 } // namespace proxima::bench

@@ -45,7 +45,7 @@ IndexLeaf& last_leaf_of(EditableIndex& e)
     return e.blocks[at & ~index_leaf_bit].leaf;
 }
 
-/// Of the longest way down.
+/// How many blocks the longest way down from a block to a leaf has, both included.
 std::uint32_t levels_of(const EditableIndex& e, std::uint32_t reference)
 {
     if ((reference & index_leaf_bit) != 0) return 1;

@@ -183,19 +183,15 @@ TEST(CullVolume, IsExactWithAnyNumberOfPlanes)
 {
     std::vector<Vec3> positions;
     std::vector<TriangleCorners> triangles;
-    const auto add = [&](const Vec3& a, const Vec3& b, const Vec3& c) {
-        const auto first = static_cast<std::uint32_t>(positions.size());
-        positions.insert(positions.end(), {a, b, c});
-        triangles.push_back({first, first + 1, first + 2});
-    };
     for (int i = 0; i < 8; ++i) {
         const double x = 0.8 + 1e-3 * i;
-        add({x, 1, 0}, {x, -1, 0}, {x, 0, 0.01});
+        positions.insert(positions.end(), {Vec3(x, 1, 0), Vec3(x, -1, 0), Vec3(x, 0, 0.01)});
     }
     for (int i = 0; i < 120; ++i) {
         const double y = 0.1 * i - 6;
-        add({8, y, 0}, {8.1, y, 0}, {8, y, 0.1});
+        positions.insert(positions.end(), {Vec3(8, y, 0), Vec3(8.1, y, 0), Vec3(8, y, 0.1)});
     }
+    for (std::uint32_t i = 0; i < positions.size(); i += 3) triangles.push_back({i, i + 1, i + 2});
     const TriangleMesh mesh = mesh_of(positions, triangles);
     const MeshIndex index = index_of(mesh);
     for (std::uint32_t before = 0; before <= 100; ++before) {
