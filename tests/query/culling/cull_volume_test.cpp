@@ -177,8 +177,8 @@ TEST(CullVolume, CountsTouching)
     }
 }
 
-/// Before a thin wedge come more and more planes that leave the triangles on both of its sides alone. Each of these is
-/// inside of one of its planes, none is in it.
+/// Eight triangles lie across the way in front of a thin wedge's tip: each has corners inside of either plane of the wedge,
+/// none a point inside of both. The wedge's planes come after more and more planes that the eight are inside of.
 TEST(CullVolume, IsExactWithAnyNumberOfPlanes)
 {
     std::vector<Vec3> positions;
