@@ -79,7 +79,7 @@ Result<std::vector<double>> draw_round(Painted& painted, const ViewModel& model,
 
 Status run_mesh(Painted& painted, const std::string& name, const BenchOptions& options)
 {
-    const auto models = load_view_models(std::vector<std::string>{name}, {});
+    const auto models = load_view_models(std::vector<std::string>{name}, Primitives::triangles, {});
     if (!models) return tl::unexpected(models.error());
     const ViewModel& model = *models->front();
     const std::size_t uploads = painted.layers.uploads();

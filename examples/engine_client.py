@@ -35,9 +35,9 @@ class ChannelError(Exception):
 
 
 def pose_of(number, position, quaternion=(1, 0, 0, 0), velocity=None, spin=(0, 0, 0), material=None):
-    """An object of a scene packet. The quaternion is w, x, y, z; the material stiffness (N/m), damping (N s/m), static
-    and dynamic friction."""
-    flags = HAS_POSE | (HAS_VELOCITY if velocity else 0) | (HAS_MATERIAL if material else 0)
+    """An object of a scene packet. The quaternion is w, x, y, z; velocity and spin are per second, the spin in radians about
+    the scene's axes; the material is stiffness (N/m), damping (N s/m), static and dynamic friction."""
+    flags = HAS_POSE | (HAS_VELOCITY if velocity or any(spin) else 0) | (HAS_MATERIAL if material else 0)
     return OBJECT.pack(number, flags, *position, *quaternion, *(velocity or (0, 0, 0)), *spin, *(material or (0, 0, 0, 0)))
 
 

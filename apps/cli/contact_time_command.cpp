@@ -185,8 +185,7 @@ Status run_contact_time(const ContactTimeOptions& options, Session& session)
     }();
     const double seconds = watch.seconds();
     if (Status status = session.check_running(); !status) return status;
-    std::string rotated = rotation_text(given->rotation_error);
-    if (!rotated.empty()) rotated += '\n';
+    const std::string rotated = rotation_text(given->rotation_error, true, session);
     session.print(fmt::format("A {}: {} triangles\nB {}: {} triangles\n{}{}, {:.3f} ms\n",
                               options.model_a, a->mesh.triangle_count(), options.model_b,
                               b->mesh.triangle_count(), rotated, text_of(found), 1e3 * seconds));

@@ -163,8 +163,7 @@ Status run_contacts(const ContactsOptions& options, Session& session)
         }
     }
     if (read.poses.size() > shown_poses) text += "...\n";
-    const std::string rotated = rotation_text(read.rotation_error);
-    if (!rotated.empty()) text += rotated + '\n';
+    text += rotation_text(read.rotation_error, true, session);
     session.print(text);
     return session.write_json({{"a", options.model_a},
                                {"b", options.model_b},

@@ -252,8 +252,7 @@ Status run_deviation(const DeviationOptions& options, Session& session)
 
     std::string text = fmt::format("A {}: {} triangles\nB {}: {} triangles\n", a->name,
                                    a->mesh.triangle_count(), b->name, b->mesh.triangle_count());
-    const std::string rotated = rotation_text(read.rotation_error);
-    if (!rotated.empty()) text += rotated + '\n';
+    text += rotation_text(read.rotation_error, true, session);
     text += deviation_text(ways, hausdorff);
     if (!histogram.shares.empty()) text += histogram_text(histogram);
     for (const std::string& path : {options.histogram, options.out, options.picture})

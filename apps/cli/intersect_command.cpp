@@ -411,18 +411,13 @@ Status run_intersect(const IntersectOptions& given, Session& session)
     }
     if (Status status = texts.write(); !status) return status;
     if (poses.size() > shown_poses) text += "...\n";
-    const std::string rotated = rotation_text(read.rotation_error);
-    if (!rotated.empty()) text += rotated + '\n';
+    text += rotation_text(read.rotation_error, options.out != to_stdout, session);
     text += fmt::format("{} of {} poses intersect, {:.1f} us each\n", intersecting, poses.size(),
                         1e6 * seconds / static_cast<double>(poses.size()));
     for (const std::string& path : {options.out, options.pairs, options.contour, options.picture}) {
         if (!path.empty()) text += fmt::format("wrote {}\n", path);
     }
-    if (options.out != to_stdout) {
-        session.print(text);
-    } else if (!rotated.empty()) {
-        session.note(rotated);
-    }
+    if (options.out != to_stdout) session.print(text);
     return session.write_json({{"a", a->model},
                                {"b", b->model},
                                {"triangles_a", a->mesh.triangle_count()},

@@ -144,12 +144,16 @@ Result<Poses> read_poses(const std::string& path_or_pose, Session& session)
     return poses;
 }
 
-std::string rotation_text(double rotation_error)
+std::string rotation_text(double rotation_error, bool has_report, Session& session)
 {
     if (rotation_error == 0) return {};
-    return fmt::format("rotations are rounded, up to {:.2g} off (R^T R from the identity, or a "
-                       "quaternion's length from 1): the nearest rotations were used",
-                       rotation_error);
+    const std::string text =
+        fmt::format("rotations are rounded, up to {:.2g} off (R^T R from the identity, or a "
+                    "quaternion's length from 1): the nearest rotations were used",
+                    rotation_error);
+    if (has_report && session.options().json != to_stdout) return text + '\n';
+    session.note(text);
+    return {};
 }
 
 } // namespace proxima

@@ -38,7 +38,8 @@ struct Poses {
 /// invalid_argument for a row that is no rigid transform, naming its line (of .npy its row, from 0).
 [[nodiscard]] Result<Poses> read_poses(const std::string& path_or_pose, Session& session);
 
-/// Says that rotations were replaced, and by how much they were off; empty where they were exact.
-[[nodiscard]] std::string rotation_text(double rotation_error);
+/// A line that says that rotations were replaced, and by how much they were off; empty where they
+/// were exact. Where stdout has no report, because rows or JSON go there, it is a note.
+[[nodiscard]] std::string rotation_text(double rotation_error, bool has_report, Session& session);
 
 } // namespace proxima

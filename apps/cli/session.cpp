@@ -133,9 +133,7 @@ Result<TriangleMesh> Session::load_model(const std::string& model)
         if (!mesh) return fail(ErrorCode::malformed_file, describe(mesh.error()), model);
         return mesh;
     }
-    const Primitives primitives =
-        options_.points_and_lines ? Primitives::points_and_lines : Primitives::triangles;
-    auto mesh = read_mesh(model, {.primitives = primitives, .execution = execution()});
+    auto mesh = read_mesh(model, {.primitives = primitives(), .execution = execution()});
     std::error_code error;
     if (mesh || std::filesystem::exists(model, error)) return mesh;
     const std::string built_in = similar_sample_mesh(model);

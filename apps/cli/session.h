@@ -5,6 +5,7 @@
 #include "cli/number_table.h"
 #include "cli/progress_bar.h"
 #include "proxima/execution.h"
+#include "proxima/mesh_io.h"
 #include "proxima/result.h"
 #include "proxima/triangle_mesh.h"
 
@@ -55,6 +56,12 @@ public:
         return {options_.threads.value_or(1)};
     }
     [[nodiscard]] Progress& progress() noexcept { return progress_; }
+
+    /// What is read of a model's file, as --points-and-lines says.
+    [[nodiscard]] Primitives primitives() const noexcept
+    {
+        return options_.points_and_lines ? Primitives::points_and_lines : Primitives::triangles;
+    }
 
     /// Whether to show a progress bar.
     [[nodiscard]] BarMode bar() const noexcept

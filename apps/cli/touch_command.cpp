@@ -83,9 +83,8 @@ Status run_replay(const TouchCommandOptions& options, Session& session)
                            : load_touch_scene(*plan, recording->settings.render.shading,
                                               options.lists, path, session);
     if (!model) return tl::unexpected(model.error());
-    const auto result = replay_touch(**model, *recording, path, !options.picture.empty());
+    const auto result = replay_touch(**model, *recording, path, !options.picture.empty(), session);
     if (!result) return tl::unexpected(result.error());
-    if (Status status = session.check_running(); !status) return status;
     const TouchReportOf of = {options.model,
                               options.device,
                               false,
@@ -113,8 +112,7 @@ Result<std::unique_ptr<TouchModel>> load_what_is_touched(const TouchCommandOptio
         for (ScriptedObject& object : plan->objects)
             if (!object.material) object.material = usual_material(options);
     }
-    const std::string rotated = rotation_text(plan->rotation_error);
-    if (!rotated.empty()) session.print(rotated + '\n');
+    session.print(rotation_text(plan->rotation_error, true, session));
     return load_touch_scene(*plan, settings_of(options).render.shading, options.lists, {}, session);
 }
 

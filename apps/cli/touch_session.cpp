@@ -1,5 +1,6 @@
 #include "cli/touch_session.h"
 
+#include "base/progress.h"
 #include "base/text.h"
 #include "cli/model_options.h"
 #include "cli/stderr_text.h"
@@ -83,7 +84,8 @@ struct RenderParts {
     std::optional<MeshIndex> signed_index;   ///< of penalty forces
 };
 
-Result<RenderParts> parts_for(const TouchModel& model, const RenderOptions& options, ForceLaw law)
+Result<RenderParts> parts_for(const TouchModel& model, const RenderOptions& options, ForceLaw law,
+                              Session& session)
 {
     RenderParts parts;
     if (model.scene != nullptr) return parts;
@@ -91,7 +93,10 @@ Result<RenderParts> parts_for(const TouchModel& model, const RenderOptions& opti
     if (options.shading == ForceShading::on)
         parts.normals = std::make_unique<ShadingNormals>(mesh, topology);
     if (law == ForceLaw::penalty) {
-        const auto index = model.index.has_signs() ? model.index : with_signs(model.index);
+        const ProgressBar shown(session.progress(), session.bar());
+        const auto index = model.index.has_signs()
+                               ? model.index
+                               : with_signs(model.index, {.execution = session.execution()});
         if (!index) return tl::unexpected(index.error());
         parts.signed_index = *index;
     }
@@ -290,7 +295,10 @@ Result<std::unique_ptr<TouchModel>> load_touch_model(const std::string& name, bo
     const Status status = is_index_file(name) ? open_index(*model, name, session)
                                               : build_index_of(*model, name, lists, session);
     if (!status) return tl::unexpected(status.error());
-    const auto with = with_exits(model->index, session.execution());
+    const auto with = [&] {
+        const ProgressBar shown(session.progress(), session.bar());
+        return with_exits(model->index, session.execution());
+    }();
     if (!with) return at_model(with.error(), name);
     auto contact = IndexContactSurface::make(*with);
     if (!contact) return at_model(contact.error(), name);
@@ -310,7 +318,7 @@ Result<TouchResult> touch_by_device(const TouchModel& model, const TouchSettings
     const DeviceLimits& limits = opened->limits;
     if (Status status = check_render_settings(opened->map, limits, settings.render); !status)
         return tl::unexpected(status.error());
-    const auto parts = parts_for(model, settings.render, settings.law);
+    const auto parts = parts_for(model, settings.render, settings.law, session);
     if (!parts) return tl::unexpected(parts.error());
     std::optional<PatchTouch> patches;
     if (settings.patches) {
@@ -377,7 +385,7 @@ Result<TouchResult> touch_by_device(const TouchModel& model, const TouchSettings
             });
         ended.store(true);
     });
-    const bool shown = session.bar() == BarMode::automatic && isatty(STDERR_FILENO) != 0;
+    const bool shown = session.bar() != BarMode::off && isatty(STDERR_FILENO) != 0;
     std::vector<SceneMessage> messages;
     const std::uint64_t events =
         show_live(live, *input, ended, shown, settings.graphics_rate, queue.get(), messages);
@@ -420,7 +428,7 @@ Result<TouchResult> touch_by_device(const TouchModel& model, const TouchSettings
 }
 
 Result<ReplayResult> replay_touch(const TouchModel& model, const Recording& recording,
-                                  const std::string& path, bool trace)
+                                  const std::string& path, bool trace, Session& session)
 {
     const RecordingSettings& settings = recording.settings;
     if (settings.mesh_fingerprint != fingerprint_of(model)) {
@@ -434,14 +442,17 @@ Result<ReplayResult> replay_touch(const TouchModel& model, const Recording& reco
                                  .max_damping = settings.max_damping};
     if (Status status = check_render_settings(settings.map, device, settings.render); !status)
         return tl::unexpected(status.error());
-    const auto parts = parts_for(model, settings.render, settings.law);
+    const auto parts = parts_for(model, settings.render, settings.law, session);
     if (!parts) return tl::unexpected(parts.error());
     TouchRun run(model, *parts, settings.map, device, settings.render,
                  {.replayed = recording.messages});
     ReplayResult result;
     std::vector<TracedTick> ticks;
     ticks.reserve(trace ? recording.ticks.size() : 0);
+    const ProgressBar shown(session.progress(), session.bar());
+    StageSteps steps(&session.progress(), "replaying the session", recording.ticks.size(), 64);
     for (const RecordedTick& tick : recording.ticks) {
+        if (!steps.done(1)) return cancelled("replaying the session", path);
         const DeviceState state = device_state(tick);
         if (!same_response(tick,
                            recorded(tick.seconds, state, run.tick(state, settings.tick_seconds))))

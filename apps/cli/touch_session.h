@@ -129,9 +129,10 @@ struct ReplayResult {
     std::uint64_t differences = 0; ///< ticks with other bits than recorded
 };
 
-/// Feels a recording again, tick after tick, and keeps its course if `trace`. Error invalid_argument for another model; of a scene,
-/// its loader has looked. \pre a scene is as it was made
+/// Feels a recording again, tick after tick, and keeps its course if `trace`. Errors: invalid_argument for another model; of a scene,
+/// its loader has looked; cancelled. \pre a scene is as it was made
 [[nodiscard]] Result<ReplayResult> replay_touch(const TouchModel& model, const Recording& recording,
-                                                const std::string& path, bool trace);
+                                                const std::string& path, bool trace,
+                                                Session& session);
 
 } // namespace proxima

@@ -420,11 +420,11 @@ Status run_tool(const ToolCommandOptions& options, const std::string& model_name
     const ToolSession of = {options,      model_name,         settings.device.device,
                             record,       touched.index,      *tool,
                             tick_seconds, options.max_torque, render.guard};
-    if (!record.empty()) {
-        if (Status status = save_tool_recording(recording, record, nullptr); !status) return status;
-    }
-
-    return report_tool(of, account, kept, session);
+    // The results are written even if the recording could not be.
+    const Status recorded_all =
+        record.empty() ? Status() : save_tool_recording(recording, record, nullptr);
+    const Status reported = report_tool(of, account, kept, session);
+    return recorded_all ? reported : recorded_all;
 }
 
 } // namespace proxima

@@ -8,12 +8,21 @@
 namespace proxima {
 namespace {
 
-std::array<double, 3> linear_channels(const Color& color)
+double in_unit_range(float value)
 {
-    std::array<double, 3> channels{};
+    return std::clamp(static_cast<double>(value), 0.0, 1.0);
+}
+
+/// A part with name, colour and opacity of a surface or of lines.
+template <class Drawn>
+GlbPart part_like(const Drawn& drawn)
+{
+    GlbPart part;
+    part.name = drawn.name;
     for (std::size_t k = 0; k < 3; ++k)
-        channels[k] = std::clamp(static_cast<double>(color[static_cast<int>(k)]), 0.0, 1.0);
-    return channels;
+        part.colour[k] = in_unit_range(drawn.color[static_cast<int>(k)]);
+    part.opacity = in_unit_range(drawn.opacity);
+    return part;
 }
 
 } // namespace
@@ -26,9 +35,7 @@ Status export_scene(const DrawnScene& scene, const std::filesystem::path& path, 
     StageSteps steps(progress, "collecting what is shown",
                      scene.surfaces.size() + scene.lines.size(), 1);
     for (const SceneSurface& surface : scene.surfaces) {
-        GlbPart part;
-        part.name = surface.name;
-        part.colour = linear_channels(surface.color);
+        GlbPart part = part_like(surface);
         for (const Vec3& position : surface.positions) part.add_point(position, origin);
         for (const TriangleCorners& corners : surface.triangles)
             part.indices.insert(part.indices.end(), corners.begin(), corners.end());
@@ -36,10 +43,8 @@ Status export_scene(const DrawnScene& scene, const std::filesystem::path& path, 
         if (!steps.done(1)) return cancelled("the export");
     }
     for (const SceneLines& lines : scene.lines) {
-        GlbPart part;
-        part.name = lines.name;
+        GlbPart part = part_like(lines);
         part.mode = GlbPart::Mode::lines;
-        part.colour = linear_channels(lines.color);
         for (const auto& segment : lines.segments) {
             for (const Vec3& end : segment) {
                 part.indices.push_back(static_cast<std::uint32_t>(part.points.size()));

@@ -27,20 +27,22 @@ std::optional<T> parse(std::string_view text)
     return value;
 }
 
+using Settings = std::map<std::string, std::string, std::less<>>;
+
+/// Whether values are given to controls, or only compared with what these may have.
+enum class SettingUse : std::uint8_t { apply, check };
+
 /// Gives each setting to the control of its name, once.
 class SettingControls final : public Controls {
 public:
-    explicit SettingControls(std::map<std::string, std::string, std::less<>>& settings)
-        : settings_(settings)
-    {}
+    SettingControls(Settings& settings, SettingUse use) : settings_(settings), use_(use) {}
 
     bool toggle(std::string_view name, bool& value) override
     {
         const auto text = take(name);
         if (!text) return false;
         if (*text != "on" && *text != "off") return refuse(name, *text, "on or off");
-        value = *text == "on";
-        return true;
+        return give(*text == "on", value);
     }
     bool number(std::string_view name, int& value, int least, int most) override
     {
@@ -57,22 +59,20 @@ public:
         if (!text) return false;
         const auto found = std::ranges::find(words, *text);
         if (found == words.end()) return refuse(name, *text, joined(words));
-        value = static_cast<std::size_t>(found - words.begin());
-        return true;
+        return give(static_cast<std::size_t>(found - words.begin()), value);
     }
     bool text(std::string_view name, std::string& value) override
     {
         auto text = take(name);
         if (!text) return false;
-        value = std::move(*text);
-        return true;
+        return give(std::move(*text), value);
     }
     bool button(std::string_view name) override
     {
         const auto text = take(name);
         if (!text) return false;
         if (*text != "press") return refuse(name, *text, "press: it is a button");
-        return true;
+        return use_ == SettingUse::apply;
     }
 
     void begin_condition(std::string_view words, bool is_met) override
@@ -115,7 +115,14 @@ private:
         const auto number = parse<T>(*text);
         if (!number || !(*number >= least && *number <= most))
             return refuse(name, *text, concat("a number from ", least, " to ", most));
-        value = *number;
+        return give(*number, value);
+    }
+
+    template <class T>
+    bool give(T wanted, T& value)
+    {
+        if (use_ == SettingUse::check) return false;
+        value = std::move(wanted);
         return true;
     }
 
@@ -129,7 +136,8 @@ private:
         return false;
     }
 
-    std::map<std::string, std::string, std::less<>>& settings_;
+    Settings& settings_;
+    SettingUse use_;
     bool took_any_ = false;
     std::optional<Error> error_;
     std::string names_;
@@ -177,12 +185,10 @@ private:
     std::string condition_;
 };
 
-} // namespace
-
-Status apply_settings(const std::vector<std::string>& settings,
-                      const std::function<void(Controls&)>& offer)
+Status use_settings(const std::vector<std::string>& settings,
+                    const std::function<void(Controls&)>& offer, SettingUse use)
 {
-    std::map<std::string, std::string, std::less<>> left;
+    Settings left;
     for (const std::string& setting : settings) {
         const std::size_t sign = setting.find('=');
         if (sign == std::string::npos || sign == 0) {
@@ -192,7 +198,7 @@ Status apply_settings(const std::vector<std::string>& settings,
         left[setting.substr(0, sign)] = setting.substr(sign + 1);
     }
     while (!left.empty()) {
-        SettingControls controls(left);
+        SettingControls controls(left, use);
         offer(controls);
         if (controls.error()) return tl::unexpected(*controls.error());
         if (controls.took_any()) continue;
@@ -205,6 +211,20 @@ Status apply_settings(const std::vector<std::string>& settings,
                     concat('"', name, "\" is no setting here: they are ", controls.names()));
     }
     return {};
+}
+
+} // namespace
+
+Status apply_settings(const std::vector<std::string>& settings,
+                      const std::function<void(Controls&)>& offer)
+{
+    return use_settings(settings, offer, SettingUse::apply);
+}
+
+Status check_settings(const std::vector<std::string>& settings,
+                      const std::function<void(Controls&)>& offer)
+{
+    return use_settings(settings, offer, SettingUse::check);
 }
 
 std::string ControlDescription::text() const

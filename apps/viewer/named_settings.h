@@ -19,6 +19,11 @@ namespace proxima {
 [[nodiscard]] Status apply_settings(const std::vector<std::string>& settings,
                                     const std::function<void(Controls&)>& offer);
 
+/// Whether settings that were applied before still fit, and changes nothing: with other models fewer
+/// values may. Errors as above.
+[[nodiscard]] Status check_settings(const std::vector<std::string>& settings,
+                                    const std::function<void(Controls&)>& offer);
+
 /// A control in the words of --set.
 struct ControlDescription {
     std::string name;

@@ -68,6 +68,7 @@ nlohmann::ordered_json facts_of(const Viewer& viewer)
 Status write_files(const Viewer& viewer, const ViewOptions& options, Session& session)
 {
     Progress* const progress = &session.progress();
+    const ProgressBar shown(*progress, session.bar());
     const DrawnScene scene = flattened(viewer.layers(), viewer.backdrop());
     if (!options.picture.empty()) {
         auto renderer = [&]() -> Result<std::unique_ptr<Renderer>> {
@@ -92,11 +93,25 @@ Status write_files(const Viewer& viewer, const ViewOptions& options, Session& se
 Status run_headless(const ViewOptions& options, Session& session)
 {
     Viewer viewer({.camera = options.camera,
+                   .primitives = session.primitives(),
                    .execution = {.threads = session.threads(),
                                  .budget = {options.budget_mb * bytes_per_megabyte}}});
     viewer.resize(options.camera.size);
     if (Status status = prepare(viewer, options); !status) return status;
     viewer.open(options.models);
+    {
+        const ProgressBar shown(*viewer.progress(), session.bar());
+        if (Status status = viewer.finish_loading(&session.progress()); !status) return status;
+    }
+    // Before there were models any number of one would do.
+    if (Status status = check_settings(options.settings,
+                                       [&](Controls& controls) { viewer.offer(controls); });
+        !status)
+        return status;
+    if (const Progress* const working = viewer.progress(); working != nullptr) {
+        const ProgressBar shown(*working, session.bar());
+        if (Status status = viewer.finish(&session.progress()); !status) return status;
+    }
     if (Status status = viewer.finish(&session.progress()); !status) return status;
     for (const PanelFact& fact : viewer.facts())
         session.print(fmt::format("{:<22} {}\n", fact.name, fact.value));
@@ -138,6 +153,7 @@ Status run_view(const ViewOptions& options, Session& session)
     Viewer viewer({.pictures = Pictures::live,
                    .wake = wake_window,
                    .camera = options.camera,
+                   .primitives = session.primitives(),
                    .execution = {.threads = session.threads(),
                                  .budget = {options.budget_mb * bytes_per_megabyte}}});
     if (Status status = prepare(viewer, options); !status) return status;

@@ -35,16 +35,16 @@ std::shared_ptr<const DrawnScene> surface_scene(const TriangleMesh& mesh, const 
     return scene;
 }
 
-Result<TriangleMesh> read_model(const std::string& name, const Execution& context)
+Result<TriangleMesh> read_model(const std::string& name, Primitives primitives,
+                                const Execution& context)
 {
-    if (is_sample_mesh_name(name))
-        return sample_mesh(name, {.execution = {.progress = context.progress}});
+    if (is_sample_mesh_name(name)) return sample_mesh(name, {.execution = context});
     if (lower_case_extension(name) == ".pxi") {
-        const auto index = load_index(name, {.execution = {.progress = context.progress}});
+        const auto index = load_index(name, {.execution = context});
         if (!index) return tl::unexpected(index.error());
         return mesh_of(*index);
     }
-    return read_mesh(name, {.execution = {.progress = context.progress, .budget = context.budget}});
+    return read_mesh(name, {.primitives = primitives, .execution = context});
 }
 
 /// The edge of an equilateral triangle as large as they are on average.
@@ -107,12 +107,12 @@ Result<std::shared_ptr<const ViewModel>> make_view_model(std::string name, Trian
     return model;
 }
 
-Result<ViewModels> load_view_models(std::span<const std::string> names, const Execution& context,
-                                    ViewModels before)
+Result<ViewModels> load_view_models(std::span<const std::string> names, Primitives primitives,
+                                    const Execution& context, ViewModels before)
 {
     ViewModels models = std::move(before);
     for (const std::string& name : names) {
-        auto mesh = read_model(name, context);
+        auto mesh = read_model(name, primitives, context);
         if (!mesh) return tl::unexpected(mesh.error());
         const Vec3 up = up_axis_of_model(name);
         auto model = make_view_model(name, std::move(*mesh), up, models.size(), context);

@@ -4,6 +4,7 @@
 #include "proxima/execution.h"
 #include "proxima/geometry.h"
 #include "proxima/mesh_index.h"
+#include "proxima/mesh_io.h"
 #include "proxima/result.h"
 #include "proxima/topology.h"
 #include "viewer/layers.h"
@@ -36,7 +37,8 @@ using ViewModels = std::vector<std::shared_ptr<const ViewModel>>;
 /// reading; budget_exceeded where showing it would take more memory than the budget; invalid_mesh
 /// (empty, NaN); cancelled. Error::where names the model.
 [[nodiscard]] Result<ViewModels> load_view_models(std::span<const std::string> names,
-                                                  const Execution& context, ViewModels before = {});
+                                                  Primitives primitives, const Execution& context,
+                                                  ViewModels before = {});
 
 /// A mesh that is there already, as model number `number`. Errors as above.
 [[nodiscard]] Result<std::shared_ptr<const ViewModel>>

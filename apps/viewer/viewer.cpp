@@ -88,9 +88,10 @@ void Viewer::open(std::vector<std::string> names, Placing placing)
     loading_error_.reset();
     ViewModels kept = placing == Placing::beside ? models_ : ViewModels{};
     loading_.start(
-        [names = std::move(names), kept = std::move(kept), threads = options_.execution.threads,
+        [names = std::move(names), kept = std::move(kept), primitives = options_.primitives,
+         threads = options_.execution.threads,
          budget = options_.execution.budget](Progress& progress) {
-            return load_view_models(names, {threads, &progress, budget}, kept);
+            return load_view_models(names, primitives, {threads, &progress, budget}, kept);
         },
         options_.wake);
 }
@@ -185,7 +186,8 @@ void Viewer::show()
     plots_.insert(plots_.end(), live.plots.begin(), live.plots.end());
 }
 
-Status Viewer::finish(const Progress* stop)
+template <class Done>
+Status Viewer::update_until(const Done& is_done, const Progress* stop)
 {
     do {
         update(0.0);
@@ -195,7 +197,18 @@ Status Viewer::finish(const Progress* stop)
         }
         if (loading_error_) return tl::unexpected(*loading_error_);
         std::this_thread::sleep_for(std::chrono::milliseconds(2));
-    } while (!is_settled());
+    } while (!is_done());
+    return {};
+}
+
+Status Viewer::finish_loading(const Progress* stop)
+{
+    return update_until([&] { return !is_loading(); }, stop);
+}
+
+Status Viewer::finish(const Progress* stop)
+{
+    if (Status status = update_until([&] { return is_settled(); }, stop); !status) return status;
     update(0.0);
     if (!problem_.empty()) return fail(ErrorCode::invalid_argument, problem_);
     return {};

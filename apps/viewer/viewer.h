@@ -11,6 +11,7 @@
 
 #include "cli/camera_options.h"
 #include "proxima/execution.h"
+#include "proxima/mesh_io.h"
 #include "proxima/result.h"
 #include "viewer/background_work.h"
 #include "viewer/controls.h"
@@ -39,7 +40,8 @@ struct ViewerOptions {
     Pictures pictures = Pictures::still;
     std::function<void()> wake = {}; ///< called by the worker when a result is ready
     CameraChoice camera = {};        ///< at first; its size does not matter
-    Execution execution = {};        ///< budget: of a model and of what is built of it
+    Primitives primitives = Primitives::triangles; ///< that are read of files
+    Execution execution = {}; ///< budget: of a model and of what is built of it
 };
 
 class Viewer {
@@ -56,8 +58,11 @@ public:
     /// Takes finished results and starts new work. `seconds` is the time since the last update.
     void update(double seconds);
 
-    /// Updates until there is nothing left to do: for pictures without a window. Errors: a model
-    /// could not be opened, the panel could not do its task, cancelled.
+    // For pictures without a window; errors also where `stop` is cancelled.
+    /// Updates until the models are there. Error: one could not be opened.
+    [[nodiscard]] Status finish_loading(const Progress* stop = nullptr);
+    /// Updates until there is nothing left to do. Errors: a model could not be opened, the panel could
+    /// not do its task.
     [[nodiscard]] Status finish(const Progress* stop = nullptr);
 
     /// Settings of the view and of the panel at hand.
@@ -116,6 +121,9 @@ public:
 private:
     enum class Drag : std::uint8_t { none, orbit, pan, handle };
 
+    /// Updates until it is done, once at least.
+    template <class Done>
+    Status update_until(const Done& is_done, const Progress* stop);
     void leave_for(std::size_t panel);
     void take_models();
     void take_picture();

@@ -95,7 +95,7 @@ struct DeviceCommand {
     Vec3 torque = Vec3::Zero(); ///< N m, likewise; zero for devices without torques
     InputCondition condition = InputCondition::well; ///< of the reading that it answers
     double force_scale = 1;     ///< 0 to 1: the ramps; multiplies forces made from `planes`
-    double stiffness = 0;       ///< N/m
+    double stiffness = 0;       ///< N/m; this and the next three: of the materials that are touched
     double damping = 0;         ///< N s/m
     double static_friction = 0; ///< smaller while the tip slides
     double dynamic_friction = 0;

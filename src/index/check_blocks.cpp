@@ -132,7 +132,9 @@ private:
     const char* check_leaf(const IndexLeaf& leaf, BlockContent& content) const
     {
         if (leaf.count == 0 || leaf.count > 8) return "impossible number of triangles";
-        if (leaf.first_row > index_.triangle_count() - leaf.count) return "no such rows";
+        if (leaf.count > index_.triangle_count() ||
+            leaf.first_row > index_.triangle_count() - leaf.count)
+            return "no such rows";
         if (const char* const fault = check_lanes(leaf); fault != no_fault) return fault;
         for (std::uint32_t i = 0; i < leaf.count; ++i) {
             const Triangle triangle = index_.triangle(leaf.first_row + i);

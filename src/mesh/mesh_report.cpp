@@ -5,12 +5,14 @@
 #include "base/progress.h"
 #include "base/text.h"
 #include "geometry/exact_predicates.h"
+#include "geometry/length.h"
 #include "mesh/coincidence.h"
 #include "mesh/mesh_report_texts.h"
 #include "mesh/surface_parts.h"
 #include "proxima/topology.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 namespace proxima {
@@ -31,7 +33,6 @@ using detail::surface_components;
 using detail::SurfaceComponent;
 
 constexpr std::size_t triangles_per_task = 8192;
-constexpr std::uint64_t stage_count = 5;
 
 bool is_finite(const Vec3& position) noexcept
 {
@@ -70,9 +71,11 @@ public:
     Result<MeshReport> examine()
     {
         if (const Status fits = check_bytes(); !fits) return tl::unexpected(fits.error());
-        begin_stage(options_.execution.progress, "mesh report", stage_count);
-        for (const auto step : {&MeshExaminer::examine_positions, &MeshExaminer::examine_triangles,
-                                &MeshExaminer::examine_edges, &MeshExaminer::examine_components}) {
+        const std::array steps = {&MeshExaminer::examine_positions,
+                                  &MeshExaminer::examine_triangles, &MeshExaminer::examine_edges,
+                                  &MeshExaminer::examine_components};
+        begin_stage(options_.execution.progress, "mesh report", steps.size());
+        for (const auto step : steps) {
             (this->*step)();
             advance_stage(options_.execution.progress, 1);
             if (is_cancelled(options_.execution.progress)) {
@@ -145,7 +148,7 @@ private:
                                 "and distances may be lost; scale it towards size 1"));
         }
         if (extent > 0.0 && reach >= far_from_origin_ratio * extent) {
-            const int lost = static_cast<int>(std::log10(reach / extent));
+            const int lost = static_cast<int>(std::log10(reach) - std::log10(extent));
             report_whole(FindingKind::far_from_origin, Severity::warning,
                          concat("coordinates reach ", reach, " but the mesh is only ", extent,
                                 " large: about ", std::max(0, 15 - lost),
@@ -181,7 +184,7 @@ private:
         Tally zero_area(options_.max_ids);
         for (std::uint32_t id = 0; id < mesh_.triangle_count(); ++id) {
             const Triangle triangle = mesh_.triangle(TriangleId{id});
-            if (is_finite(triangle)) report_.area += 0.5 * scaled_normal(triangle).norm();
+            if (is_finite(triangle)) report_.area += 0.5 * length_of(scaled_normal(triangle));
             if (!is_proper(mesh_.triangles()[id])) {
                 degenerate.add(id);
                 continue;
@@ -227,7 +230,7 @@ private:
             proper_edges_ += use.total() > 0 ? 1U : 0U;
 
             const auto [low, high] = topology_.vertices(EdgeId{id});
-            const double length = (mesh_.position(high) - mesh_.position(low)).norm();
+            const double length = length_of(mesh_.position(high) - mesh_.position(low));
             if (!std::isfinite(length)) continue;
             shortest = std::min(shortest, length);
             report_.max_edge_length = std::max(report_.max_edge_length, length);

@@ -3,6 +3,7 @@
 #include "base/parallel.h"
 #include "base/progress.h"
 #include "geometry/exact_predicates.h"
+#include "geometry/length.h"
 #include "mesh/coincidence.h"
 #include "mesh/equal_items.h"
 #include "mesh/near_vertices.h"
@@ -342,7 +343,7 @@ private:
             Size& size = sizes[sets.find(i)];
             ++size.triangles;
             const Triangle one = surface.triangle(TriangleId{i});
-            if (is_finite(one)) size.area += scaled_normal(one).norm();
+            if (is_finite(one)) size.area += length_of(scaled_normal(one));
             largest = std::max(largest, size.area);
         }
         for (std::uint32_t i = 0; i < surface.triangle_count(); ++i) {

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <limits>
 
 namespace proxima {
 
@@ -19,6 +20,9 @@ constexpr double grid_steps = 1 << snapped_bits;
 /// OctreeFrame::plane, two roundings of at most 2^-53 (|lower| + edge).
 double snapping_error(const OctreeFrame& frame) noexcept
 {
+    // Steps that are no normal doubles, or of which so many as 1 leave the doubles.
+    constexpr double smallest_edge = 1e-290;
+    if (frame.edge.minCoeff() < smallest_edge) return std::numeric_limits<double>::infinity();
     const Vec3 distance = frame.lower.cwiseAbs().cwiseQuotient(frame.edge);
     constexpr double unit = 1.0 / (std::uint64_t{1} << 52U);
     return 0.5 + grid_steps * unit * (distance.maxCoeff() + 4);

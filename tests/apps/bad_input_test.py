@@ -170,6 +170,21 @@ class Options(ProgramTest):
         findings = json.loads((self.folder / "report.json").read_text())["findings"]
         self.assertEqual([f["kind"] for f in findings if f["severity"] != "note"], ["boundary_edges"])
 
+    def test_strict_is_about_meshes(self):
+        octree, index = self.folder / "a.pxo", self.folder / "a.pxi"
+        self.succeed("octree", "cube", "--save", octree)
+        self.succeed("index", "cube", "--save", index)
+        for file in (octree, index):
+            self.succeed("check", file)
+            self.refuse("check", file, "--strict", status=2, says=("--strict", "meshes"))
+
+    def test_a_setting_that_fits_no_model(self):
+        picture = self.folder / "a.png"
+        shown = ("--panel", "octree", "--size", "60x60", "--picture", picture)
+        self.refuse("view", "cube", "octahedron", *shown, "--set", "model=5", says=('"5"', "model", "1 to 2"))
+        self.refuse("view", "cube", *shown, "--set", "model=1", says=("model", "several models"))
+        self.succeed("view", "cube", "octahedron", *shown, "--set", "model=2")
+
     def test_depth_over_the_limit(self):
         self.refuse("octree", "cube", "--depth", 20, status=2, says=("--depth", "19"))
         self.refuse("octree", "cube", "--depth", -1, status=2, says="--depth")

@@ -1,5 +1,6 @@
 """What the command line does when all is well."""
 import json
+import math
 import os
 import pathlib
 import pty
@@ -15,7 +16,9 @@ import unittest
 import zlib
 
 import mesh_files
+from bad_input_test import off
 from proxima_program import PROXIMA, ProgramTest, environment_of_program, has_signal, run
+from scene_test import cube
 
 OCTREE_KEYS = ["model", "triangles", "depth", "threshold", "method", "total", "leaves",
                "occupied_percent", "min_triangles", "max_triangles", "references", "mean_triangles",
@@ -348,6 +351,24 @@ class Check(ProgramTest):
         self.assertEqual(result["self_intersections"], {"pairs": 0, "complete": True, "first_pairs": []})
         self.assertIn("nothing is wrong", self.succeed("check", "octahedron"))
 
+    def test_a_box_has_the_measures_of_a_box(self):
+        points, faces = cube()
+        model = self.file("box.off", off([(x, 2 * y, 3 * z) for x, y, z in points], faces))
+        result = self.json_of("check", model)
+        self.assertEqual((result["vertices"], result["edges"], result["triangles"]), (8, 18, 12))
+        self.assertEqual(result["bounds"], {"lower": [0, 0, 0], "upper": [1, 2, 3]})
+        self.assertEqual((result["euler_characteristic"], result["genus"], result["orientation"]), (2, 0, "outward"))
+        for name, expected in (("min_edge_length", 1), ("max_edge_length", math.sqrt(13)), ("area", 22), ("signed_volume", 6)):
+            self.assertAlmostEqual(result[name], expected, 12, name)
+        text = self.succeed("check", model)
+        self.assertIn("from (0, 0, 0) to (1, 2, 3), area 22, edges 1 to 3.61 long\n", text)
+        self.assertIn(", outward, volume 6, genus 0, Euler characteristic 2\n", text)
+
+    def test_a_ring_has_a_hole(self):
+        result = self.json_of("check", "torus:12x6")
+        self.assertEqual((result["euler_characteristic"], result["genus"]), (0, 1))
+        self.assertIn(", genus 1, Euler characteristic 0\n", self.succeed("check", "torus:12x6"))
+
     def test_triangles_that_intersect_are_counted_and_named(self):
         # Two crossing ones, one that shares an edge with the first, and one beside.
         path = self.file("cross.off", "OFF\n10 4 0\n0 0 0\n4 0 0\n0 4 0\n1 1 -1\n1 1 1\n3 3 1\n0 -4 0\n"
@@ -444,6 +465,19 @@ class Controls(ProgramTest):
             lines = [control["name"] + ("" if control["value"] is None else f" = {control['value']}") + f" ({control['values']})" +
                      (f", needs {control['needs']}" if control["needs"] else "") for control in result["controls"]]
             self.assertEqual(self.succeed(*asked).splitlines(), lines)
+
+
+class Views(ProgramTest):
+    def test_points_and_lines_are_shown_where_asked_for(self):
+        model = self.file("lines.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 2 3\nl 1 4\np 2\n")
+        self.assertEqual(self.json_of("view", model, "--out", self.folder / "a.glb")["facts"]["triangles"], "1")
+        with_lines = self.json_of("view", model, "--points-and-lines", "--out", self.folder / "a.glb")
+        self.assertEqual(with_lines["facts"]["triangles"], "3")
+
+    def test_progress_is_shown_where_asked_for(self):
+        done = run("view", "icosphere:7", "--panel", "octree", "--size", "60x60", "--picture", self.folder / "a.png", "--progress")
+        self.assertEqual(done.returncode, 0)
+        self.assertRegex(done.stderr, r"(?m)^proxima: .+, \d+ %$")
 
 
 class Reports(ProgramTest):

@@ -1,9 +1,10 @@
 """proxima contacts and contact-time as their users run them, on shapes whose answers are known."""
+import json
 import math
 import unittest
 
 from bad_input_test import off
-from proxima_program import ProgramTest
+from proxima_program import ProgramTest, run
 
 TIME_KEYS = ["a", "b", "triangles_a", "triangles_b", "build_seconds", "rotation_error", "center", "displacement", "turn", "contact", "evidence",
              "free_until", "touches_at", "free_pose", "distance", "point_a", "point_b", "triangle_a", "triangle_b", "normal", "steps",
@@ -56,8 +57,10 @@ class ContactTime(ProgramTest):
     def test_rounded_rotations_are_named(self):
         turn = "0.7071,-0.7071,0,0,0.7071,0.7071,0,0,0,0,1,4"
         for poses in (("--from", "0,0,4", "--to", turn), ("--from", turn, "--to", "0,0,0")):
-            found = self.json_of("contact-time", "cube", "cube", *poses)
-            self.assertTrue(1e-5 < found["rotation_error"] < 1e-3)
+            noted = run("contact-time", "cube", "cube", *poses, "--json", "-")
+            self.assertTrue(1e-5 < json.loads(noted.stdout)["rotation_error"] < 1e-3)
+            self.assertEqual((noted.returncode, noted.stderr.count("\n")), (0, 1))
+            self.assertIn("nearest rotations", noted.stderr)
             self.assertIn("nearest rotations", self.succeed("contact-time", "cube", "cube", *poses))
         found = self.json_of("contact-time", "cube", "cube", "--from", "0,0,4", "--to", "0,0,0@0,0,1,45")
         self.assertEqual(found["rotation_error"], 0)

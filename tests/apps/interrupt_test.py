@@ -106,6 +106,16 @@ class Building(InterruptTest):
         self.interrupt("octree", "spaceship:300000", "--depth", "10", "--method", "pairwise", *self.outputs(),
                        when=after(1), sent=signal.SIGHUP)
 
+    def test_replays(self):
+        recording = self.folder / "long.pxt"
+        self.succeed("touch", "icosphere:4", "--device", "hand:stroke", "--seconds", 600, "--free-running", "--record", recording)
+        self.interrupt("touch", "icosphere:4", "--device", f"replay:{recording}", "--json", self.folder / "a.json", when=after(1),
+                       keeps=["long.pxt"])
+
+    def test_signs_of_penalty_forces(self):
+        self.interrupt("touch", "icosphere:9", "--force", "penalty", "--device", "hand:press", "--free-running", "--json", self.folder / "a.json",
+                       when=after(1))
+
     def test_compare(self):
         self.interrupt("compare", "spaceship:300000", "--json", self.folder / "a.json", when=after(1))
 

@@ -268,9 +268,29 @@ class Rows(ProgramTest):
                     self.assertEqual([int(row[name]) for name in cells], counts)
                 if "--distance" in options:
                     self.assertEqual(float(row["separation"]), pose["separation"])
-                    self.assertEqual([float(row["b" + x]) for x in "xyz"], pose["closest_b"])
-                    self.assertEqual(int(row["triangle_a"]), pose["triangle_a"])
+                    for side in "ab":
+                        self.assertEqual([float(row[side + x]) for x in "xyz"], pose["closest_" + side])
+                        self.assertEqual(int(row["triangle_" + side]), pose["triangle_" + side])
         self.assertEqual([pose["contained"] for pose in report], ["A_in_B", "A_in_B", "none", "none"])
+
+    def test_points_and_triangles_are_those_of_their_sides(self):
+        """A corner of one tetrahedron in front of the slanted face of the other, then the other way round."""
+        model, table = self.file("a.off", tetrahedron()), self.folder / "rows.csv"
+        poses = self.file("poses.csv", text_of([shifted(2, 2, 2), shifted(-2, -2, -2)]))
+        report = self.json_of("intersect", model, model, "--pose", poses, "--distance", "--out", table)["poses"]
+        rows = list(csv.DictReader(io.StringIO(table.read_text())))
+        third, slanted, at_corner = 1 / 3, {3}, {0, 1, 2}  # by mesh_files.TRIANGLES
+        for row, pose, (a, b, of_a, of_b) in zip(rows, report, ((third, 2, slanted, at_corner), (0, third - 2, at_corner, slanted))):
+            found = {"a": pose["closest_a"], "b": pose["closest_b"]}
+            for side, expected in (("a", a), ("b", b)):
+                for point in (found[side], [float(row[side + x]) for x in "xyz"]):
+                    for x in point:
+                        self.assertAlmostEqual(x, expected, delta=1e-14)
+            for numbers in (row, pose):
+                self.assertIn(int(numbers["triangle_a"]), of_a)
+                self.assertIn(int(numbers["triangle_b"]), of_b)
+                self.assertAlmostEqual(float(numbers["separation"]), 5 / math.sqrt(3), delta=1e-14)
+        self.assertEqual([(pose["feature_a"], pose["feature_b"]) for pose in report], [("face", "vertex"), ("vertex", "face")])
 
     def test_one_line_or_several(self):
         contour = self.folder / "c.obj"

@@ -1,6 +1,8 @@
 """proxima raycast as its users run it, against slabs and determinants that are written here in fractions."""
 import csv
 import io
+import itertools
+import math
 import random
 import struct
 import unittest
@@ -245,6 +247,62 @@ class Pictures(ProgramTest):
     def test_may_be_rows_instead(self):
         text = self.succeed("raycast", "cube", "--size", "5x4", "--out", "-")
         self.assertEqual(text.count("\n"), 21)
+
+
+def sides():
+    """A triangle about each of the points -x, x, -y, y, -z, z."""
+    points = []
+    for axis in range(3):
+        for sign in (-1, 1):
+            for u, v in ((-0.5, -0.5), (1, 0), (0, 1)):
+                point = [0, 0, 0]
+                point[axis], point[(axis + 1) % 3], point[(axis + 2) % 3] = sign, u, v
+                points.append(tuple(point))
+    return off(points, [(i, i + 1, i + 2) for i in range(0, 18, 3)])
+
+
+class Cameras(ProgramTest):
+    """What they see is known without them."""
+
+    def seen(self, model, *camera):
+        """The triangle in the middle of the picture."""
+        rows = self.succeed("raycast", model, *camera, "--target", "0,0,0", "--size", "1x1", "--out", "-")
+        row, = csv.DictReader(io.StringIO(rows))
+        return int(row["triangle"])
+
+    def test_names_are_the_sides_that_they_see(self):
+        model = self.file("sides.off", sides())
+        for up, sides_of_names in (("z", {"left": "-x", "right": "x", "front": "-y", "back": "y", "bottom": "-z", "top": "z"}),
+                                   ("y", {"left": "-x", "right": "x", "front": "z", "back": "-z", "bottom": "-y", "top": "y"})):
+            for name, side in sides_of_names.items():
+                with self.subTest(name, up=up):
+                    self.assertEqual(self.seen(model, "--view", name, "--up", up), ["-x", "x", "-y", "y", "-z", "z"].index(side))
+
+    def test_angles_are_degrees_to_the_right_and_upward(self):
+        """Of an octahedron: from the left, the front and above the face with -x, -y and z is seen, where z is up."""
+        points = [(1, 0, 0), (-1, 0, 0), (0, 1, 0), (0, -1, 0), (0, 0, 1), (0, 0, -1)]
+        model = self.file("octahedron.off", off(points, list(itertools.product((0, 1), (2, 3), (4, 5)))))
+        octants = list(itertools.product((1, -1), repeat=3))
+        for right, front, above in octants:
+            azimuth, elevation = right * (45 if front > 0 else 135), 35 * above
+            with self.subTest(azimuth=azimuth, elevation=elevation):
+                angles = f"{azimuth},{elevation}"
+                self.assertEqual(self.seen(model, "--view", angles, "--up", "z"), octants.index((right, -front, above)))
+                self.assertEqual(self.seen(model, "--view", angles, "--up", "y"), octants.index((right, above, front)))
+        self.assertEqual(self.seen(model, "--view", "iso", "--up", "z"), octants.index((1, -1, 1)))
+
+    def test_the_opening_angle_is_from_bottom_to_top(self):
+        """Of a square straight ahead, half as wide as 0.28 of its distance, as many pixels as have their middles in it."""
+        corners = [(-0.28, 0, -0.28), (0.28, 0, -0.28), (0.28, 0, 0.28), (-0.28, 0, 0.28)]
+        model = self.file("square.off", off(corners, [(0, 1, 2), (0, 2, 3)]))
+        for angle in (None, 20, 35, 60, 90, 120):
+            slope = math.tan(math.radians((angle or 35) / 2))
+            for width in (20, 40):
+                with self.subTest(angle=angle, width=width):
+                    columns, rows = (sum(abs(i + 0.5 - pixels / 2) / 10 * slope < 0.28 for i in range(pixels)) for pixels in (width, 20))
+                    options = () if angle is None else ("--fov", angle)
+                    found = self.json_of("raycast", model, "--eye", "0,-1,0", "--target", "0,0,0", "--up", "z", "--size", f"{width}x20", *options)
+                    self.assertEqual(found["hits"], columns * rows)
 
 
 class Refusing(ProgramTest):

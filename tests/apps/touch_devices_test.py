@@ -11,15 +11,29 @@ from udp_hand import UdpHand, free_port
 STUB_HD, STUB_DHD = os.environ.get("STUB_HD", ""), os.environ.get("STUB_DHD", "")
 
 
-class Devices(ProgramTest):
+class DeviceTest(ProgramTest):
+    """Sessions whose report in words is held against that in JSON."""
+
+    def report_of(self, *arguments, **options):
+        path = self.folder / "report.json"
+        text = self.succeed(*arguments, "--verbose", "--json", path, **options)
+        report = json.loads(path.read_text())
+        self.assertIn("input: {samples} samples; {not_finite} invalid positions, {jumps} jumps, {freezes} freezes, {silences} silences, "
+                      "{losses} losses; {velocities} velocities corrected; {faulty_ticks} ticks with ".format(**report["input"]), text)
+        if report["network"]:
+            self.assertIn("packets: {received} received, {accepted} accepted; malformed {malformed}, foreign {foreign}, duplicated {duplicated}, "
+                          "reordered {reordered}, leapt {leapt}, late {late}, lost {lost}\n".format(**report["network"]), text)
+        return report
+
+
+class Devices(DeviceTest):
     """Stand-ins for the makers' libraries; PROXIMA_STUB says what goes wrong, and when."""
 
     def feel(self, name, library, fault="", seconds=1, model="cube", **options):
         session = self.folder / "session.pxt"
         environment = {**os.environ, "PROXIMA_STUB": fault}
-        text = self.succeed("touch", model, "--device", name, "--device-library", library, "--seconds", seconds,
-                            "--record", session, "--json", "-", env=environment, **options)
-        report = json.loads(text)
+        report = self.report_of("touch", model, "--device", name, "--device-library", library, "--seconds", seconds,
+                                "--record", session, env=environment, **options)
         self.assertEqual(list(report), KEYS)
         self.assertEqual(report["passes"], 0)
         again = self.json_of("touch", model, "--device", f"replay:{session}")
@@ -51,7 +65,7 @@ class Devices(ProgramTest):
 
     def test_hd_faults(self):
         report = self.feel("hd", STUB_HD, "unplug=480 replug=630")
-        self.assertEqual((report["input"]["losses"], report["input"]["recoveries"]), (1, 1))
+        self.assertEqual([report["input"][name] for name in ("losses", "recoveries", "silences")], [1, 1, 0])
         self.assertIn("Communication error", report["trouble"])
         report = self.feel("hd", STUB_HD, "nan=480")
         self.assertEqual(report["input"]["not_finite"], 10)
@@ -101,13 +115,13 @@ class Devices(ProgramTest):
         self.assertEqual(self.json_of("touch", "cube", "--device", f"replay:{session}")["replay_differences"], 0)
 
 
-class Udp(ProgramTest):
+class Udp(DeviceTest):
     def feel(self, seconds=2, **hand):
         port = free_port()
         other_side = UdpHand(port, seconds + 1, **hand)
         other_side.start()
         session = self.folder / "udp.pxt"
-        report = self.json_of("touch", "cube", "--device", f"udp:{port}", "--seconds", seconds, "--record", session)
+        report = self.report_of("touch", "cube", "--device", f"udp:{port}", "--seconds", seconds, "--record", session)
         other_side.join()
         again = self.json_of("touch", "cube", "--device", f"replay:{session}")
         self.assertEqual((again["replay_differences"], again["ticks"]), (0, report["ticks"]))
@@ -133,8 +147,17 @@ class Udp(ProgramTest):
         report, _ = self.feel(seconds=3, junk=True, silent=(1.2, 1.6))
         self.assertGreater(report["network"]["malformed"], 500)
         self.assertGreaterEqual(report["input"]["silences"], 1)
+        self.assertEqual(report["input"]["losses"], 0)
         self.assertGreaterEqual(report["input"]["recoveries"], 1)
         self.assertGreater(report["input"]["longest_recovery"], 0)
+
+    def test_a_poor_line(self):
+        network = self.feel(poor=True)[0]["network"]
+        kinds = ("accepted", "malformed", "foreign", "duplicated", "reordered", "leapt", "late")
+        self.assertEqual(sum(network[kind] for kind in kinds), network["received"])
+        self.assertGreater(network["late"], 3)
+        self.assertGreater(network["lost"], 0.6 * network["accepted"])  # four numbers to six packets
+        self.assertEqual((network["malformed"], network["duplicated"], network["sessions"]), (0, 0, 1))
 
     def test_nobody_comes(self):
         report = self.json_of("touch", "cube", "--device", f"udp:{free_port()}", "--seconds", 0.2)

@@ -1,9 +1,11 @@
 """proxima touch: sessions of a simulated hand and of devices, recordings and their replay."""
 import contextlib
+import csv
 import json
 import math
 import os
 import pty
+import re
 import signal
 import struct
 import subprocess
@@ -85,6 +87,44 @@ class Touching(ProgramTest):
         self.refuse(*session, "--picture", self.folder / "course.foo", says=("course.foo", ".csv, .svg, .pdf or .png"))
         self.refuse("touch", "cube", "--device", "hand:press", "--seconds", 86400, "--picture", table,
                     says=("--picture", "GB in memory", "at most --seconds"))
+
+    def test_words_and_json_say_what_was_felt(self):
+        """How deep it was is known by the positions; without damping and friction Hooke says the force."""
+        path, table = self.folder / "report.json", self.folder / "course.csv"
+        text = self.succeed("touch", "cube", "--device", "hand:press", "--seconds", 2, "--free-running", "--damping", 0, "--friction", 0,
+                            "--guard", "off", "--json", path, "--picture", table)
+        report = json.loads(path.read_text())
+        with open(table) as file:
+            deepest = max(1 / report["units_per_metre"] - max(abs(float(row[x])) for x in "xyz") for row in csv.DictReader(file))
+        self.assertGreater(deepest, 0.001)
+        force, depth = map(float, re.search(r"; force at most (\S+) N, depth (\S+) mm\n", text).groups())
+        self.assertAlmostEqual(report["max_depth"], deepest, delta=1e-12)
+        self.assertAlmostEqual(report["max_force"], report["stiffness"] * deepest, delta=1e-9)
+        self.assertAlmostEqual(depth, 1e3 * deepest, delta=0.0051)
+        self.assertAlmostEqual(force, report["stiffness"] * deepest, delta=0.00051)
+        times = [report["tick"][name + "_ns"] for name in ("p50", "p99", "p99_9", "p99_99", "max")]
+        self.assertEqual(times, sorted(times))
+        self.assertLess(times[0], times[-1])
+        self.assertIn("computing a force: p50 %.2f, p99 %.2f, p99.9 %.2f, p99.99 %.2f, max %.2f us\n" % tuple(1e-3 * time for time in times), text)
+
+    def test_ticks_that_guards_changed_are_counted(self):
+        """A strong hand is given 3.3 N and no more, and 2 N more in a millisecond."""
+        path, table = self.folder / "report.json", self.folder / "course.csv"
+        session = ("touch", "cube", "--device", "hand:poke", "--seconds", 4, "--free-running", "--limits", "touch", "--stiffness", 9000,
+                   "--hand-stiffness", 1000)
+        text = self.succeed(*session, "--json", path, "--picture", table)
+        report = json.loads(path.read_text())
+        with open(table) as file:
+            forces = [[float(row["force_" + x]) for x in "xyz"] for row in csv.DictReader(file)]
+        limited = sum(math.hypot(*force) > 3.3 - 1e-9 for force in forces)
+        slewed = sum(math.dist(*pair) > 2 - 1e-9 for pair in zip(forces, forces[1:]))
+        clamped = report["clamped_ticks"]
+        self.assertEqual(report["slewed_ticks"], slewed)
+        self.assertGreater(limited, 10 * slewed)
+        self.assertGreater(slewed, 0)
+        self.assertTrue(limited <= clamped <= limited + slewed, clamped)  # some were both
+        self.assertIn(f"force limited in {clamped}, its change limited in {slewed}\n", text)
+        self.assertIn(f"guards: force limited in {clamped} ticks, its change in {slewed}\n", self.succeed(*session, "--verbose"))
 
     def test_patches_of_a_collision_loop(self):
         arguments = ("touch", "sphere:100x100", "--device", "hand:slide", "--seconds", 3)

@@ -1,7 +1,8 @@
 """proxima touch --tool: sessions of a simulated hand with a rigid tool."""
+import json
 import unittest
 
-from proxima_program import ProgramTest
+from proxima_program import ProgramTest, run
 
 KEYS = ["model", "triangles", "tool", "tool_triangles", "device", "ticks", "interrupted", "replay_differences", "touching_ticks", "entered_ticks", "unplaced_ticks",
         "limited_ticks", "cut_short_ticks", "overloaded_ticks", "max_near_pairs", "max_force", "max_torque", "max_spring_torque", "max_stretch",
@@ -47,6 +48,17 @@ class Tools(ProgramTest):
         names = [self.folder / name for name in ("a.pxt", "a.csv")]
         text = self.succeed("touch", "cube", *self.session, "--record", names[0], "--ticks", names[1])
         self.assertEqual(text.splitlines()[-2:], [f"wrote {name}" for name in names])
+
+    def test_a_session_that_could_not_be_recorded_is_reported_all_the_same(self):
+        recording, table, report = (self.folder / name for name in ("a.pxt", "a.csv", "a.json"))
+        recording.symlink_to("/dev/full")
+        done = run("touch", "cube", *self.session, "--record", recording, "--ticks", table, "--json", report)
+        self.assertEqual((done.returncode, done.stderr.count("\n")), (1, 1))
+        self.assertIn("a.pxt", done.stderr)
+        self.assertIn("1000 ticks", done.stdout)
+        self.assertNotIn(f"wrote {recording}", done.stdout)
+        self.assertEqual(len(table.read_text().splitlines()), 1001)
+        self.assertEqual(json.loads(report.read_text())["ticks"], 1000)
 
     def test_a_recorded_session_replays_without_a_difference(self):
         file, before, after = (self.folder / name for name in ("a.pxt", "before.csv", "after.csv"))

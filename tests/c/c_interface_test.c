@@ -293,6 +293,17 @@ static void test_rays(void)
     CHECK(count == 2 && hits[0].t == 2.25 && hits[1].triangle == PROXIMA_NONE);
     CHECK(proxima_all_hits(index, &rays[0], PROXIMA_BOTH, hits, 3, &count) == PROXIMA_OK && hits[1].t == 2.75);
     CHECK(proxima_all_hits(index, &rays[1], PROXIMA_BOTH, NULL, 0, &count) == PROXIMA_OK && count == 0);
+    CHECK(proxima_first_hits(index, rays, 3, PROXIMA_FRONT, NULL, hits) == PROXIMA_OK);
+    CHECK(hits[0].t == 2.25 && hits[1].triangle == PROXIMA_NONE && hits[2].triangle == PROXIMA_NONE);
+    CHECK(proxima_first_hits(index, rays, 3, PROXIMA_BACK, NULL, hits) == PROXIMA_OK);
+    CHECK(hits[0].t == 2.75 && hits[1].triangle == PROXIMA_NONE && hits[2].t == 0.5);
+    CHECK(proxima_all_hits(index, &rays[0], PROXIMA_FRONT, hits, 3, &count) == PROXIMA_OK && count == 1 && hits[0].t == 2.25);
+    CHECK(proxima_all_hits(index, &rays[0], PROXIMA_BACK, hits, 3, &count) == PROXIMA_OK && count == 1 && hits[0].t == 2.75);
+    proxima_ray late = rays[0]; /* begins between the two */
+    late.t_min = 2.5;
+    CHECK(proxima_first_hit(index, &late, PROXIMA_BOTH, &hit) == PROXIMA_OK && hit.triangle == 4 && hit.t == 2.75);
+    CHECK(proxima_first_hits(index, &late, 1, PROXIMA_BOTH, NULL, hits) == PROXIMA_OK && hits[0].t == 2.75);
+    CHECK(proxima_all_hits(index, &late, PROXIMA_BOTH, hits, 3, &count) == PROXIMA_OK && count == 1 && hits[0].t == 2.75);
     REFUSES(proxima_first_hit(index, &none, PROXIMA_BOTH, &hit), PROXIMA_INVALID_ARGUMENT, "direction");
     proxima_ray nan = rays[0];
     nan.t_max = NAN;
@@ -302,6 +313,13 @@ static void test_rays(void)
     REFUSES(proxima_any_hits(index, rays, 3, (proxima_faces)3, NULL, any), PROXIMA_INVALID_ARGUMENT, "faces");
     proxima_index_destroy(index);
     proxima_mesh_destroy(mesh);
+}
+
+static int has_corner(uint32_t triangle, uint32_t vertex)
+{
+    for (uint32_t i = 0; i < 3; ++i)
+        if (triangle < 8 && faces[3 * triangle + i] == vertex) return 1;
+    return 0;
 }
 
 static void test_two_meshes(void)
@@ -316,6 +334,7 @@ static void test_two_meshes(void)
     CHECK(proxima_meshes_intersect(index, index, pose, &meet) == PROXIMA_OK && meet == 0);
     CHECK(proxima_mesh_distance(index, index, pose, INFINITY, &distance) == PROXIMA_OK);
     CHECK(distance.distance == 3 && distance.point_a[0] == 1 && distance.point_b[0] == 4);
+    CHECK(has_corner(distance.triangle_a, 0) && has_corner(distance.triangle_b, 1)); /* at x = 1 and x = -1 */
     CHECK(proxima_mesh_distance(index, index, pose, 2, &distance) == PROXIMA_OK);
     CHECK(isinf(distance.distance) && distance.triangle_a == PROXIMA_NONE);
     distance.distance = 7;
@@ -338,6 +357,10 @@ static void test_two_meshes(void)
     CHECK(proxima_visible_triangles(index, planes, 2, 1, ids, 8, &count) == PROXIMA_OK);
     CHECK(count == 2 && ((ids[0] == 0 && ids[1] == 4) || (ids[0] == 4 && ids[1] == 0)));
     CHECK(proxima_visible_triangles(index, planes, 2, 0, NULL, 0, &count) == PROXIMA_OK && count >= 2);
+    const double beside[] = {1, 0, 0, -0.5, 0, 1, 0, -0.75}; /* x >= 0.5, y >= 0.75: two triangles reach into each, none into both */
+    CHECK(proxima_visible_triangles(index, beside, 2, 1, ids, 8, &count) == PROXIMA_OK && count == 0);
+    CHECK(proxima_visible_triangles(index, beside, 2, 0, ids, 8, &count) == PROXIMA_OK && count == 2);
+    CHECK((ids[0] == 0 && ids[1] == 4) || (ids[0] == 4 && ids[1] == 0));
     REFUSES(proxima_visible_triangles(index, NULL, 2, 1, ids, 8, &count), PROXIMA_INVALID_ARGUMENT, "NULL");
     /* the limit is checked before any plane is read */
     double most[4 * 1024];
@@ -444,6 +467,77 @@ static void test_touch(void)
     proxima_renderer_destroy(renderer);
 }
 
+static void test_devices(void)
+{
+    proxima_device_limits limits;
+    CHECK(proxima_device_limits_of("omni", &limits) == PROXIMA_OK);
+    CHECK(limits.max_force == 3.3 && limits.max_stiffness == 700);
+    CHECK(limits.max_damping == 5 && limits.workspace_radius == 0.1);
+}
+
+static const proxima_material smooth = {300, 1, 0, 0};
+
+static proxima_body* make_octahedral_body(double size)
+{
+    double corners[18];
+    proxima_mesh* mesh = NULL;
+    proxima_body* body = NULL;
+    for (int i = 0; i < 18; ++i) corners[i] = size * octahedron[i];
+    CHECK(proxima_mesh_create(corners, 6, faces, 8, &mesh) == PROXIMA_OK);
+    CHECK(proxima_body_create(mesh, &smooth, &body) == PROXIMA_OK);
+    proxima_mesh_destroy(mesh);
+    return body;
+}
+
+/* Goes down to that point of the model from 2 cm above it, and stays there. */
+static proxima_tick press(proxima_renderer* renderer, const proxima_workspace* workspace, const double point[3])
+{
+    proxima_tick tick = {0};
+    CHECK(proxima_renderer_reset(renderer) == PROXIMA_OK);
+    for (int i = 0; i < 1000; ++i) {
+        double at[3];
+        for (int k = 0; k < 3; ++k) at[k] = (point[k] - workspace->center[k]) / workspace->units_per_metre;
+        if (i < 200) at[2] += 1e-4 * (200 - i);
+        CHECK(proxima_renderer_tick(renderer, at, NULL, 1e-3, &tick) == PROXIMA_OK);
+    }
+    return tick;
+}
+
+/* What was pressed is a smooth octahedron's face 0, x + y + z = constant: its closest point is as far in x, y and z. */
+static void check_pressed(const proxima_tick* tick, const proxima_workspace* workspace, const double point[3], double far)
+{
+    CHECK(tick->contact_count == 1 && tick->contacts[0].object == 0 && tick->contacts[0].triangle == 0);
+    for (int k = 0; k < 3; ++k) {
+        CHECK(fabs(tick->proxy[k] - (point[k] + far)) < 1e-6);
+        CHECK(fabs(tick->force[k] - smooth.stiffness * far / workspace->units_per_metre) < 1e-3);
+    }
+}
+
+/* A model that is not at the origin is in the middle of the device's workspace. */
+static void test_workspace(void)
+{
+    const double lower[] = {0, 1, 2}, upper[] = {4, 5, 6}, there[] = {1, 0, 0, 2, 0, 1, 0, 3, 0, 0, 1, 4};
+    const double point[] = {2.2, 3.1, 4.6}; /* 0.2 + 0.1 + 0.6 from the octahedron's middle: 0.1 too little */
+    proxima_body* body = make_octahedral_body(1);
+    proxima_scene* scene = NULL;
+    proxima_renderer* renderer = NULL;
+    proxima_device_limits limits;
+    proxima_workspace workspace = {0, {0, 0, 0}};
+    uint32_t object;
+    CHECK(proxima_scene_create(lower, upper, &scene) == PROXIMA_OK);
+    CHECK(proxima_scene_add(scene, body, there, &object) == PROXIMA_OK);
+    CHECK(proxima_device_limits_of("omni", &limits) == PROXIMA_OK);
+    CHECK(proxima_fit_workspace(lower, upper, limits.workspace_radius, &workspace) == PROXIMA_OK);
+    CHECK(workspace.center[0] == 2 && workspace.center[1] == 3 && workspace.center[2] == 4);
+    CHECK(is_near(workspace.units_per_metre, sqrt(12.0) / 0.06));
+    CHECK(proxima_renderer_create(scene, &workspace, &limits, NULL, &renderer) == PROXIMA_OK);
+    const proxima_tick tick = press(renderer, &workspace, point);
+    check_pressed(&tick, &workspace, point, 0.1 / 3);
+    proxima_renderer_destroy(renderer);
+    proxima_scene_destroy(scene);
+    proxima_body_destroy(body);
+}
+
 /* Two octahedra close on a hand between them from both sides. */
 static void test_squeeze(void)
 {
@@ -479,23 +573,36 @@ static void test_squeeze(void)
     proxima_mesh_destroy(mesh);
 }
 
+/* An octahedron in place of one of half its size: what was free above it is inside. */
 static void test_exchange(void)
 {
-    const double lower[] = {-2, -2, -2}, upper[] = {2, 2, 2};
-    proxima_mesh* mesh = make_octahedron();
-    proxima_body* body = NULL;
+    const double lower[] = {-2.25, -2.25, -2.25}, upper[] = {2.25, 2.25, 2.25}, out[] = {1, 0, 0, 1.5, 0, 1, 0, 0, 0, 0, 1, 0};
+    const double point[] = {0.2, 0.1, 1.5};
+    const proxima_workspace workspace = {100, {0, 0, 0}};
+    proxima_body* body = make_octahedral_body(1);
+    proxima_body* large = make_octahedral_body(2);
+    proxima_body* too_large = make_octahedral_body(3);
     proxima_scene* scene = NULL;
+    proxima_renderer* renderer = NULL;
+    proxima_device_limits limits;
     uint32_t object;
-    const double out[] = {1, 0, 0, 1.5, 0, 1, 0, 0, 0, 0, 1, 0};
-    CHECK(proxima_body_create(mesh, NULL, &body) == PROXIMA_OK);
     CHECK(proxima_scene_create(lower, upper, &scene) == PROXIMA_OK);
     REFUSES(proxima_scene_add(scene, body, out, &object), PROXIMA_INVALID_ARGUMENT, "bounds");
     REFUSES(proxima_scene_exchange(scene, 0, body), PROXIMA_INVALID_ARGUMENT, "object");
     CHECK(proxima_scene_add(scene, body, NULL, &object) == PROXIMA_OK);
-    CHECK(proxima_scene_exchange(scene, object, body) == PROXIMA_OK);
+    REFUSES(proxima_scene_exchange(scene, object, too_large), PROXIMA_INVALID_ARGUMENT, "bounds");
+    CHECK(proxima_device_limits_of("omni", &limits) == PROXIMA_OK);
+    CHECK(proxima_renderer_create(scene, &workspace, &limits, NULL, &renderer) == PROXIMA_OK);
+    proxima_tick tick = press(renderer, &workspace, point);
+    CHECK(tick.contact_count == 0 && tick.holds == 0 && tick.force[2] == 0 && is_near(tick.proxy[2], 1.5));
+    CHECK(proxima_scene_exchange(scene, object, large) == PROXIMA_OK);
+    tick = press(renderer, &workspace, point);
+    check_pressed(&tick, &workspace, point, 0.2 / 3);
+    proxima_renderer_destroy(renderer);
     proxima_scene_destroy(scene);
+    proxima_body_destroy(too_large);
+    proxima_body_destroy(large);
     proxima_body_destroy(body);
-    proxima_mesh_destroy(mesh);
 }
 
 int main(int argc, char** argv)
@@ -511,6 +618,8 @@ int main(int argc, char** argv)
     test_rays();
     test_two_meshes();
     test_touch();
+    test_devices();
+    test_workspace();
     test_squeeze();
     test_exchange();
     printf("%d checks, %d failed\n", checks, failures);

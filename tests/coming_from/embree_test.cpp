@@ -5,6 +5,7 @@
 #include <embree3/rtcore.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <cstdio>
 #include <limits>
 
@@ -13,7 +14,7 @@ namespace {
 
 using testing::Arrays;
 
-float by_embree(const Arrays& mesh)
+float by_embree(const Arrays& mesh, float x, float y)
 {
     RTCDevice device = rtcNewDevice(nullptr);
     RTCScene scene = rtcNewScene(device);
@@ -29,7 +30,7 @@ float by_embree(const Arrays& mesh)
     RTCIntersectContext context;
     rtcInitIntersectContext(&context);
     RTCRayHit ray{};
-    ray.ray.org_x = 0.1F, ray.ray.org_y = 0.2F, ray.ray.org_z = 5;
+    ray.ray.org_x = x, ray.ray.org_y = y, ray.ray.org_z = 5;
     ray.ray.dir_z = -1;
     ray.ray.tfar = std::numeric_limits<float>::infinity();
     ray.ray.mask = ~0U;
@@ -43,18 +44,25 @@ float by_embree(const Arrays& mesh)
     return ray.ray.tfar;
 }
 
-double by_proxima(const TriangleMesh& mesh)
+double by_proxima(const TriangleMesh& mesh, double x, double y)
 {
     const MeshIndex index = build_mesh_index(mesh).value();
-    const auto hit = closest_hit(index, {.origin = Vec3(0.1, 0.2, 5), .direction = Vec3(0, 0, -1)});
+    const auto hit = closest_hit(index, {.origin = Vec3(x, y, 5), .direction = Vec3(0, 0, -1)});
     if (hit) std::printf("%g, triangle %u\n", hit->t, to_index(hit->triangle));
     return hit.value_or(RayHit{}).t;
 }
 
-TEST(ComingFromEmbree, TheSameRayHitsTheSame)
+TEST(ComingFromEmbree, TheSameRaysHitTheSame)
 {
     const Arrays arrays = testing::arrays_of("icosphere:3");
-    EXPECT_NEAR(by_proxima(mesh_of(arrays)), by_embree(arrays), 1e-5);
+    const TriangleMesh mesh = mesh_of(arrays);
+    for (const float x : {-0.6F, -0.31F, 0.1F, 0.53F}) {
+        for (const float y : {-0.5F, 0.2F, 0.45F}) {
+            const double t = by_proxima(mesh, x, y);
+            EXPECT_NEAR(t, by_embree(arrays, x, y), 1e-5) << x << ' ' << y;
+            EXPECT_NEAR(t, 5 - std::sqrt(1 - x * x - y * y), 0.01) << x << ' ' << y;
+        }
+    }
 }
 
 } // namespace

@@ -398,8 +398,16 @@ TEST_F(ForgedRecordingTest, OlderVersionsAreReadWithoutImages)
         ASSERT_TRUE(loaded) << name << ": " << describe(loaded.error());
         const auto again = reloaded(*loaded);
         ASSERT_TRUE(again) << name;
-        EXPECT_EQ(again->ticks, loaded->ticks);
         EXPECT_EQ(file_bytes(folder() / "session.pxt")[12], 6) << name;
+        EXPECT_EQ(again->ticks, loaded->ticks);
+        const bool penalty = std::string_view(name) == "penalty.pxt";
+        const std::size_t objects = std::string_view(name) == "scene.pxt" ? 3 : 0;
+        const bool textured = std::string_view(name) == "textured.pxt";
+        for (const RecordingSettings& settings : {loaded->settings, again->settings}) {
+            EXPECT_EQ(settings.law, penalty ? ForceLaw::penalty : ForceLaw::proxy) << name;
+            EXPECT_EQ(settings.objects.size(), objects) << name;
+            EXPECT_EQ(settings.render.texture.any(), textured) << name;
+        }
     }
     // An image in a file that says it is older than images are.
     const auto file = folder() / "session.pxt";
@@ -410,6 +418,61 @@ TEST_F(ForgedRecordingTest, OlderVersionsAreReadWithoutImages)
     const auto loaded = load_bytes(bytes);
     ASSERT_FALSE(loaded);
     EXPECT_NE(loaded.error().message.find("is an image and has none"), std::string::npos);
+}
+
+TEST_F(ForgedRecordingTest, VersionFiveHasMessagesAndARoom)
+{
+    Recording recording = scene_recording();
+    recording.settings.room = 2;
+    recording.settings.render.texture = {};
+    for (ScriptedObject& object : recording.settings.objects) object.texture.reset();
+    const auto file = folder() / "session.pxt";
+    ASSERT_TRUE(save_recording(recording, file));
+    std::string bytes = file_bytes(file);
+    bytes[12] = 5;
+    reseal_binary_file(std::as_writable_bytes(std::span(bytes)));
+    const auto loaded = load_bytes(bytes);
+    ASSERT_TRUE(loaded) << describe(loaded.error());
+    EXPECT_EQ(loaded->settings.room, 2);
+    EXPECT_EQ(loaded->settings.objects.size(), 4U);
+    ASSERT_EQ(loaded->messages.size(), 2U);
+    EXPECT_TRUE(loaded->messages[0].has_motion);
+    EXPECT_TRUE(loaded->messages[1].has_material);
+    EXPECT_EQ(loaded->messages[1].tick, 7U);
+}
+
+TEST(Recording, HasAllOfATick)
+{
+    DeviceState state;
+    state.pose.translation = Vec3(1, 2, 3);
+    state.velocity = Vec3(4, 5, 6);
+    state.buttons = 5;
+    state.condition = InputCondition::clutched;
+    RenderTick tick;
+    tick.force = Vec3(7, 8, 9);
+    tick.proxy = Vec3(10, 11, 12);
+    tick.hold = Hold::sticking;
+    tick.fault = InputFault::jumped;
+    const RecordedTick free = recorded(1.5, state, tick);
+    const RecordedTick expected = {.seconds = 1.5,
+                                   .position = {1, 2, 3},
+                                   .velocity = {4, 5, 6},
+                                   .force = {7, 8, 9},
+                                   .proxy = {10, 11, 12},
+                                   .buttons = 5,
+                                   .triangle = 0xffffffff,
+                                   .hold = 2,
+                                   .fault = 2,
+                                   .condition = 1};
+    EXPECT_EQ(free, expected);
+    tick.contacts[0].triangle = TriangleId{17};
+    tick.contact_count = 1;
+    EXPECT_EQ(recorded(1.5, state, tick).triangle, 17U);
+    const DeviceState again = device_state(free);
+    EXPECT_EQ(again.pose.translation, state.pose.translation);
+    EXPECT_EQ(again.velocity, state.velocity);
+    EXPECT_EQ(again.buttons, state.buttons);
+    EXPECT_EQ(again.condition, state.condition);
 }
 
 /// Replays a scene of cubes; every force must be finite and within the limit.

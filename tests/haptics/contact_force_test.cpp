@@ -138,6 +138,18 @@ TEST(ForceGuard, RampsUpAtTheStartAndDownWhenThePatchIsLost)
     EXPECT_NEAR(guard.pass(wanted, tick).x(), 1 / 250.0, 1e-9);
 }
 
+TEST(ForceGuard, ARestartForgetsTheForceThatFades)
+{
+    ForceOptions options = without_ramps();
+    options.loss_seconds = 0.05;
+    ForceGuard guard(options, 3.3);
+    EXPECT_EQ(guard.pass(Vec3(3, 0, 0), tick), Vec3(3, 0, 0));
+    guard.cross_over();
+    EXPECT_NEAR(guard.pass(Vec3::Zero(), tick).x(), 3 * (1 - 1 / 50.0), 1e-12);
+    guard.restart();
+    EXPECT_EQ(guard.pass(Vec3::Zero(), tick), Vec3::Zero());
+}
+
 TEST(ForceOptions, AreLimitedByTheDevice)
 {
     const auto omni = find_device("omni");

@@ -128,6 +128,28 @@ TEST(DeformedBody, RefusesWhatIsNoShapeOfTheObject)
               std::string::npos);
 }
 
+/// An object that shrinks is as large as it was until it has shrunk.
+TEST(DeformedBody, StaysWithinBoundsWhileItChanges)
+{
+    TouchScene scene(Box{Vec3::Constant(-1), Vec3::Constant(1)});
+    const TriangleMesh large = cube_mesh(Vec3::Zero(), 0.5);
+    const TouchBody body = body_of(large);
+    const auto object = scene.add(body, {});
+    std::vector<Vec3> positions;
+    for (const Vec3& p : large.positions()) positions.emplace_back(0.2 * p);
+    ASSERT_TRUE(scene.deform(*object, *refit_touch_body(body, positions), 0.1));
+    HapticRenderer renderer =
+        make_haptic_renderer(scene, same_unit, strong_device(), plain(0, 0)).value();
+    const ObjectMotion aside = {.pose = at_place(Vec3(0.8, 0, 0)), .seconds = 0.01};
+    const auto tick_for = [&](int ticks) {
+        for (int i = 0; i < ticks; ++i) renderer.tick(at(Vec3(0, 0, 0.9)), tick_seconds);
+    };
+    tick_for(50);
+    EXPECT_EQ(scene.move(*object, aside).error().code, ErrorCode::invalid_argument);
+    tick_for(60);
+    EXPECT_TRUE(scene.move(*object, aside));
+}
+
 // A refit is a body of its own, too: what was built from the same positions gives the same bits.
 TEST(DeformedBody, ARefitIsABodyOfItsOwn)
 {

@@ -1,6 +1,7 @@
 #include "haptics/device/button_queue.h"
 #include "haptics/device/velocity_bounds.h"
 #include "haptics/device_session.h"
+#include "haptics/scenes_to_touch.h"
 #include "proxima/device.h"
 
 #include <gtest/gtest.h>
@@ -44,6 +45,42 @@ SessionResult with_fault(const PressingDevice::Change& fault, std::uint64_t fade
     EXPECT_EQ(session.input.recoveries, 1U);
     EXPECT_LT(session.input.longest_recovery, 1.2 * ForceOptions{}.loss_seconds);
     return session;
+}
+
+TEST(DeviceInput, CommandsAreOfTheMaterialThatIsTouched)
+{
+    const SurfaceMaterial ice = {
+        .stiffness = 100, .damping = 0, .static_friction = 0, .dynamic_friction = 0};
+    const SurfaceMaterial steel = {
+        .stiffness = 5000, .damping = 50, .static_friction = 0.8, .dynamic_friction = 0.2};
+    const DeviceLimits omni = *find_device("omni");
+    const RenderOptions options{.force = {.start_seconds = 0}, .guard = Guard::off};
+    for (const SurfaceMaterial& material : {ice, steel}) {
+        TouchScene scene(testing::wide_room);
+        ASSERT_TRUE(
+            scene.add(testing::body_of(testing::box_mesh(Vec3(0.5, 0.5, 0.1)), {.material = material}),
+                      testing::at_place(Vec3(0, 0, -0.1))));
+        HapticRenderer renderer = make_haptic_renderer(scene, {}, omni, options).value();
+        DeviceInput input = make_device_input({}).value();
+        DeviceReading reading;
+        const auto command_at = [&](double z) {
+            ++reading.sample;
+            reading.state.pose.translation = Vec3(0.01, 0.02, z);
+            renderer.tick(input.accept(reading), 1e-3);
+            return input.command(renderer);
+        };
+        const DeviceCommand free = command_at(0.002);
+        EXPECT_EQ(free.stiffness, options.force.stiffness);
+        EXPECT_EQ(free.static_friction, options.static_friction);
+        command_at(-0.001);
+        const DeviceCommand held = command_at(-0.001);
+        const double stiffness = std::min(material.stiffness, omni.max_stiffness);
+        EXPECT_NEAR(renderer.last().spring.z(), stiffness * 0.001, 1e-3);
+        EXPECT_EQ(held.stiffness, stiffness);
+        EXPECT_EQ(held.damping, std::min(material.damping, omni.max_damping));
+        EXPECT_EQ(held.static_friction, material.static_friction);
+        EXPECT_EQ(held.dynamic_friction, material.dynamic_friction);
+    }
 }
 
 TEST(DeviceInput, PassesAGoodHandUnchanged)
@@ -514,6 +551,97 @@ TEST(ButtonQueue, LosesNoEventBetweenThreads)
         ++i;
     }
     pusher.join();
+}
+
+/// The next sample of a device that moves as fast as it says.
+void go_on(DeviceReading& reading)
+{
+    ++reading.sample;
+    reading.state.pose.translation += 1e-3 * reading.state.velocity;
+}
+
+/// Moves on for some ticks.
+void lead(DeviceInput& input, DeviceReading& reading)
+{
+    for (int tick = 0; tick < 20; ++tick) {
+        go_on(reading);
+        (void)input.accept(reading);
+    }
+}
+
+TEST(DeviceInput, TurnsVelocitiesAndRotations)
+{
+    // Our y is the device's -z, and our z its y.
+    Mat3 turn;
+    turn << 1, 0, 0, 0, 0, -1, 0, 1, 0;
+    DeviceInput input = make_device_input({}, {.rotation = turn}).value();
+    DeviceReading reading;
+    reading.state.pose.rotation = Eigen::AngleAxisd(0.5, Vec3::UnitZ()).toRotationMatrix();
+    reading.state.velocity = Vec3(0.3, 0.1, -0.2);
+    lead(input, reading);
+    EXPECT_LT((input.state().velocity - Vec3(0.3, 0.2, 0.1)).norm(), 1e-12);
+    const Mat3& rotation = input.state().pose.rotation;
+    const Vec3 tip_x(std::cos(0.5), 0, std::sin(0.5));
+    EXPECT_LT((rotation * Vec3::UnitX() - tip_x).norm(), 1e-12);
+    EXPECT_LT((rotation * Vec3::UnitZ() + Vec3::UnitY()).norm(), 1e-12);
+}
+
+TEST(DeviceInput, FaultsAndClutchesEndTheVelocity)
+{
+    struct End {
+        InputCondition condition;
+        std::function<void(DeviceReading&)> change;
+    };
+    const std::vector<End> ends = {
+        {InputCondition::gone,
+         [](DeviceReading& reading) { reading.state.condition = InputCondition::gone; }},
+        {InputCondition::unsure,
+         [](DeviceReading& reading) { reading.state.pose.translation.x() = nan; }},
+        {InputCondition::unsure,
+         [](DeviceReading& reading) { reading.state.pose.translation.x() += 1; }},
+        {InputCondition::silent, [](DeviceReading& reading) { --reading.sample; }},
+        {InputCondition::clutched, [](DeviceReading& reading) { reading.state.buttons = 2; }}};
+    for (const End& end : ends) {
+        DeviceInput input = make_device_input({}, {.clutch_buttons = 2}).value();
+        DeviceReading reading;
+        reading.state.velocity = Vec3(0, 0.1, 0);
+        lead(input, reading);
+        EXPECT_EQ(input.state().velocity, Vec3(0, 0.1, 0));
+        for (int tick = 0; tick < 30; ++tick) { // longer than its patience
+            go_on(reading);
+            end.change(reading);
+            (void)input.accept(reading);
+        }
+        EXPECT_EQ(input.state().condition, end.condition);
+        EXPECT_EQ(input.state().velocity, Vec3::Zero()) << static_cast<int>(end.condition);
+    }
+}
+
+TEST(DeviceInput, CommandsHaveWhatTheGuardAdds)
+{
+    // A wall that swings until it is damped, or so fast that it is softened.
+    for (const bool is_fast : {false, true}) {
+        const CubeScene scene;
+        HapticRenderer renderer =
+            make_surface_renderer(scene.surface, scene.map, *find_device("omni"));
+        DeviceInput input = make_device_input({}).value();
+        DeviceReading reading;
+        DeviceCommand command;
+        for (int tick = 0; tick < 1500; ++tick) {
+            const double swing =
+                is_fast ? 1e-3 * std::sin(0.9 * tick) : 5e-4 * std::sin(0.2 * tick);
+            const double z = tick < 300 ? 0.002 : swing - 0.001;
+            ++reading.sample;
+            reading.state.pose.translation = Vec3(0, 0, scene.half + z);
+            renderer.tick(input.accept(reading), 1e-3);
+            command = input.command(renderer);
+        }
+        const PassivityGuard& guard = parts_of(renderer).passivity();
+        EXPECT_GT(guard.added_damping(), 0.1);
+        EXPECT_EQ(guard.softness() < 1, is_fast);
+        EXPECT_NEAR(command.stiffness, guard.softness() * 500, 1e-9);
+        EXPECT_NEAR(command.damping, guard.softness() * 1 + guard.added_damping(), 1e-12);
+    }
 }
 
 } // namespace

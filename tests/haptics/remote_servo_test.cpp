@@ -53,6 +53,44 @@ TEST(RemoteServo, GivesTheForceOfTheRenderer)
     }
 }
 
+TEST(RemoteServo, DampsAsTheRendererDoes)
+{
+    // A hand that trembles on the cube, 1 to 3 mm deep, with a reply every tick.
+    const CubeScene scene;
+    RenderOptions options;
+    options.force.damping = 5;
+    options.static_friction = options.dynamic_friction = 0;
+    options.guard = Guard::off;
+    HapticRenderer renderer =
+        make_surface_renderer(scene.surface, scene.map, *find_device("omni"), options);
+    DeviceInput input = make_device_input({}).value();
+    RemoteServo servo(3.3);
+    double largest = 0;
+    for (int tick = 0; tick < 1000; ++tick) {
+        const double t = 1e-3 * tick;
+        const double height = tick < 100 ? 0.001 : -0.002 + 0.001 * std::sin(50 * t);
+        const double speed = tick < 100 ? 0 : 0.05 * std::cos(50 * t);
+        DeviceReading reading;
+        reading.sample = static_cast<std::uint64_t>(tick) + 1;
+        reading.state.pose.translation = Vec3(0.01, 0.02, scene.half + height);
+        reading.state.velocity = Vec3(0, 0, speed);
+        renderer.tick(input.accept(reading), 1e-3);
+        ReplyPacket reply;
+        reply.sequence = reading.sample;
+        reply.command = input.command(renderer);
+        reply.max_force = 3.3;
+        reply.hold_seconds = 0.02;
+        reply.recovery_seconds = 0.01;
+        servo.take(reply, t);
+        const Vec3 force = servo.force(reading.state.pose.translation, reading.state.velocity, t);
+        if (tick < 500) continue; // ramps are over
+        const Vec3 expected(0, 0, -500 * height - 5 * speed);
+        EXPECT_LT((renderer.last().force - expected).norm(), 1e-5) << tick;
+        largest = std::max(largest, (force - expected).norm());
+    }
+    EXPECT_LT(largest, 1e-5);
+}
+
 TEST(RemoteServo, ChangesToNewPlanesWithoutAJump)
 {
     RemoteServo servo(3.3);

@@ -339,6 +339,34 @@ TEST(SceneRenderer, EveryObjectHasItsOwnStiffness)
     EXPECT_LT((beside.spring - Vec3(3, 0, 0)).norm(), 1e-4);
 }
 
+/// Friction far beyond the renderer's holds the proxy away from where it would be without friction.
+TEST(SceneRenderer, AHandThatRestsOnRubberFeelsOneContact)
+{
+    const SurfaceMaterial rubber = {
+        .stiffness = 500, .damping = 0, .static_friction = 1.2, .dynamic_friction = 1.2};
+    for (const double usual_friction : {0.0, 0.4}) {
+        TouchScene scene(wide_room);
+        ASSERT_TRUE(scene.add(body_of(box_mesh(Vec3(1, 1, 0.1)), {.material = rubber}),
+                              at_place(Vec3(0, 0, -0.1))));
+        RenderOptions options = plain(usual_friction);
+        options.texture.stick_slip = {.stiffness = 150, .max_force = 0.5};
+        HapticRenderer renderer =
+            make_haptic_renderer(scene, same_unit, strong_device(), options).value();
+        renderer.tick(at(Vec3(0.1, 0.3, 0.001)), tick_seconds);
+        for (int i = 0; i <= 100; ++i)
+            renderer.tick(at(Vec3(0.1 + 2e-5 * i, 0.3, -0.002)), tick_seconds);
+        const Vec3 hand(0.102, 0.3, -0.002);
+        const RenderTick first = renderer.tick(at(hand), tick_seconds);
+        ASSERT_EQ(first.hold, Hold::sticking);
+        EXPECT_GT(first.contact_count, 0U);
+        for (int i = 0; i < 10; ++i) {
+            const RenderTick& felt = renderer.tick(at(hand), tick_seconds);
+            EXPECT_EQ(felt.contacts[0].position, first.contacts[0].position) << i;
+            EXPECT_EQ(felt.force, first.force) << i;
+        }
+    }
+}
+
 TEST(SceneRenderer, ExchangesBodiesWithoutAForceSpike)
 {
     const DeviceLimits omni = *find_device("omni");
@@ -543,6 +571,91 @@ TEST(SceneRenderer, AnotherThreadMayMoveAndExchangeObjects)
     EXPECT_EQ(seen.ticks, 400U);
     EXPECT_GT(touching, 20);
     EXPECT_GT(exchanges.load(), 1);
+}
+
+TEST(SceneRenderer, MaterialsAreLimitedByTheDevice)
+{
+    TouchScene scene(wide_room);
+    const SurfaceMaterial steel = {
+        .stiffness = 5000, .damping = 50, .static_friction = 0, .dynamic_friction = 0};
+    const SurfaceTexture honey = {.viscosity = 1000};
+    ASSERT_TRUE(scene.add(body_of(box_mesh(Vec3(1, 1, 0.1)), {.material = steel, .texture = honey}),
+                          at_place(Vec3(0, 0, -0.1))));
+    HapticRenderer renderer =
+        make_haptic_renderer(scene, same_unit, *find_device("omni"), plain()).value();
+    renderer.tick(at(Vec3(0.1, 0.3, 0.001)), tick_seconds);
+    renderer.tick(at(Vec3(0.1, 0.3, -0.001)), tick_seconds);
+    const Vec3 velocity(0.1, 0, -0.1);
+    const RenderTick& felt = renderer.tick(at(Vec3(0.1, 0.3, -0.002), velocity), tick_seconds);
+    // An omni takes 700 N/m, 5 N s/m, and a quarter of that along the surface.
+    EXPECT_LT((felt.spring - Vec3(-1.25 * 0.1, 0, 700 * 0.002 + 5 * 0.1)).norm(), 1e-5);
+}
+
+TEST(SceneRenderer, DampsRelativeToASurfaceOfAModelInOtherUnits)
+{
+    const WorkspaceMap map{20, Vec3(1, 2, 3)};
+    TouchScene scene(wide_room);
+    const RigidTransform below = at_place(map.center - Vec3(0, 0, 2)); // its top is at the center
+    const auto wall = scene.add(body_of(box_mesh(Vec3(2, 2, 2))), below);
+    RenderOptions options = plain();
+    options.force.damping = 10;
+    HapticRenderer renderer = make_haptic_renderer(scene, map, strong_device(), options).value();
+    ASSERT_TRUE(scene.move(*wall, {.pose = below, .velocity = Vec3(0, 0, 2), .coast_seconds = 1}));
+    renderer.tick(at(Vec3(0.01, 0.02, 0.05)), tick_seconds);
+    for (int tick = 1; tick < 100; ++tick) {
+        // It rises at 0.1 m/s of the device.
+        const double top = 0.1 * (tick + 1) * tick_seconds;
+        const RenderTick& felt = renderer.tick(at(Vec3(0.01, 0.02, top - 0.01)), tick_seconds);
+        EXPECT_NEAR(felt.surface_velocity.z(), 0.1, 1e-9) << tick;
+        EXPECT_NEAR(felt.spring.z(), 500 * 0.01 + 10 * 0.1, 1e-5) << tick;
+    }
+}
+
+TEST(SceneRenderer, EveryObjectHasItsOwnStiffnessInOtherUnits)
+{
+    const WorkspaceMap map{20, Vec3::Zero()};
+    TouchScene scene(wide_room);
+    const SurfaceMaterial hard = {
+        .stiffness = 2000, .damping = 0, .static_friction = 0, .dynamic_friction = 0};
+    const SurfaceMaterial soft = {
+        .stiffness = 100, .damping = 0, .static_friction = 0, .dynamic_friction = 0};
+    ASSERT_TRUE(scene.add(body_of(box_mesh(Vec3(10, 10, 2)), {.material = hard}),
+                          at_place(Vec3(0, 0, -2))));
+    ASSERT_TRUE(scene.add(body_of(box_mesh(Vec3(2, 10, 10)), {.material = soft}),
+                          at_place(Vec3(-2, 0, 0))));
+    HapticRenderer renderer = make_haptic_renderer(scene, map, strong_device(), plain()).value();
+    renderer.tick(at(Vec3(0.1, 0, 0.1)), tick_seconds);
+    const RenderTick floor = renderer.tick(at(Vec3(0.1, 0, -0.02)), tick_seconds);
+    EXPECT_LT((floor.spring - Vec3(0, 0, 40)).norm(), 1e-4);
+    const RenderTick corner = renderer.tick(at(Vec3(-0.03, 0, -0.02)), tick_seconds);
+    EXPECT_LT((corner.spring - Vec3(3, 0, 40)).norm(), 1e-4);
+}
+
+TEST(SceneRenderer, EveryObjectHasItsOwnFrictionAndDamping)
+{
+    TouchScene scene(wide_room);
+    const SurfaceMaterial felt_cloth = {
+        .stiffness = 500, .damping = 4, .static_friction = 0.6, .dynamic_friction = 0.4};
+    ASSERT_TRUE(scene.add(body_of(box_mesh(Vec3(1, 1, 0.1)), {.material = felt_cloth}),
+                          at_place(Vec3(0, 0, -0.1))));
+    RenderOptions options = plain(0.2);
+    options.force.damping = 1;
+    HapticRenderer renderer =
+        make_haptic_renderer(scene, same_unit, strong_device(), options).value();
+    constexpr double depth = 0.01;
+    renderer.tick(at(Vec3(0.1, 0.3, 0.01)), tick_seconds);
+    renderer.tick(at(Vec3(0.1, 0.3, -depth)), tick_seconds);
+    for (int i = 1; i <= 100; ++i) {
+        // It sticks to where it was until it leans by 0.6 of the depth, and trails by 0.4 from then on.
+        const double aside = 2.1e-4 * i;
+        const bool sticks = aside < 0.6 * depth;
+        const RenderTick& felt = renderer.tick(at(Vec3(0.1 + aside, 0.3, -depth)), tick_seconds);
+        EXPECT_EQ(felt.hold, sticks ? Hold::sticking : Hold::sliding) << i;
+        EXPECT_NEAR(felt.spring.x(), -500 * (sticks ? aside : 0.4 * depth), 1e-5) << i;
+    }
+    const Vec3 down(0, 0, -0.1);
+    const RenderTick& damped = renderer.tick(at(Vec3(0.12, 0.3, -depth), down), tick_seconds);
+    EXPECT_NEAR(damped.spring.z(), 500 * depth + 4 * 0.1, 1e-5);
 }
 
 } // namespace

@@ -7,9 +7,14 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cstring>
 #include <fstream>
+#include <pthread.h>
 #include <random>
+#include <sched.h>
 #include <string>
+#include <sys/mman.h>
+#include <sys/resource.h>
 #include <thread>
 #include <vector>
 
@@ -58,6 +63,17 @@ TEST(LatencyHistogram, AddsUpAndCountsWhatIsBelowPowersOfTwo)
     for (const int value : {255, 256, 257}) ends.add(value);
     EXPECT_EQ(ends.count_below(256), 1U);
     EXPECT_EQ(ends.count_below(512), 3U);
+}
+
+TEST(LatencyHistogram, ASumHasTheGreatestOfBoth)
+{
+    LatencyHistogram small;
+    LatencyHistogram large;
+    small.add(1000);
+    large.add(5000); // in a bin from 4992 to 5119
+    small.add(large);
+    EXPECT_EQ(small.max(), 5000U);
+    EXPECT_EQ(small.quantile(1), 5000U);
 }
 
 TEST(ServoLoop, KeepsItsRate)
@@ -146,6 +162,65 @@ TEST(ServoLoop, ReportsWhatTheSystemDidNotGrant)
     const ServoStatistics seen = run_servo_loop({.ticks = 3, .pace = Pace::real_time},
                                                 [](std::uint64_t) { return Flow::proceed; });
     EXPECT_EQ(seen.real_time_priority && seen.locked_memory, seen.note.empty()) << seen.note;
+}
+
+TEST(ServoLoop, LeavesTheThreadAsItWas)
+{
+    int before = 0;
+    int within = 0;
+    int after = 0;
+    sched_param parameters{};
+    pthread_getschedparam(pthread_self(), &before, &parameters);
+    const int priority_before = parameters.sched_priority;
+    const ServoStatistics seen =
+        run_servo_loop({.ticks = 1, .pace = Pace::real_time}, [&](std::uint64_t) {
+            pthread_getschedparam(pthread_self(), &within, &parameters);
+            return Flow::proceed;
+        });
+    if (!seen.real_time_priority) GTEST_SKIP() << seen.note;
+    EXPECT_EQ(within, SCHED_FIFO);
+    pthread_getschedparam(pthread_self(), &after, &parameters);
+    EXPECT_EQ(after, before);
+    EXPECT_EQ(parameters.sched_priority, priority_before);
+}
+
+TEST(ServoLoop, CountsWhatItOverslept)
+{
+    // A sleep of about a microsecond takes some fifty. In nanoseconds a period is a power of two, so that
+    // the histogram counts those exactly that woke up after their deadline.
+    constexpr std::uint64_t period = 1024;
+    const ServoStatistics seen = run_servo_loop({.rate = 1e9 / period, .ticks = 2000},
+                                                [](std::uint64_t) { return Flow::proceed; });
+    EXPECT_GT(seen.overslept, 0U);
+    EXPECT_EQ(seen.overslept, seen.late.count() - seen.late.count_below(period));
+    EXPECT_LE(seen.overslept, seen.missed);
+}
+
+/// Page faults of this thread so far, as the system tells.
+std::uint64_t page_faults()
+{
+    rusage usage{};
+    getrusage(RUSAGE_THREAD, &usage);
+    return static_cast<std::uint64_t>(usage.ru_minflt + usage.ru_majflt);
+}
+
+TEST(ServoLoop, CountsThePageFaultsOfItsTicks)
+{
+    constexpr std::size_t bytes = 1U << 20U;
+    std::uint64_t faults = 0;
+    const ServoStatistics seen =
+        run_servo_loop({.ticks = 1, .pace = Pace::unpaced}, [&](std::uint64_t) {
+            const std::uint64_t before = page_faults();
+            void* const fresh =
+                mmap(nullptr, bytes, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
+            if (fresh == MAP_FAILED) return Flow::stop;
+            std::memset(fresh, 1, bytes);
+            munmap(fresh, bytes);
+            faults = page_faults() - before;
+            return Flow::proceed;
+        });
+    if (faults == 0) GTEST_SKIP() << "this system does not count the page faults of a thread";
+    EXPECT_GE(seen.page_faults, faults);
 }
 
 /// Locked memory of this process in kB, as the system tells.

@@ -68,6 +68,31 @@ TEST(HdDevice, TouchesInTheCallbackOfTheDriver)
     EXPECT_EQ(stub.state.open_devices, 0);
 }
 
+/// A rotation by a right angle about z.
+bool is_turned(const Mat3& rotation)
+{
+    return rotation * Vec3::UnitX() == Vec3::UnitY() &&
+           rotation * Vec3::UnitY() == -Vec3::UnitX() && rotation * Vec3::UnitZ() == Vec3::UnitZ();
+}
+
+TEST(HdDevice, ReportsHowItIsTurned)
+{
+    Stub stub(STUB_HD);
+    auto device = open_hd_device({.library = STUB_HD});
+    ASSERT_TRUE(device);
+    EXPECT_TRUE((*device)->info().rotates);
+    stub.state.turn = 5; // the stub counts from 1
+    std::vector<Mat3> seen;
+    (void)(*device)->run({.ticks = 6}, [&](std::uint64_t) {
+        seen.push_back((*device)->read().state.pose.rotation);
+        (*device)->write({});
+        return Flow::proceed;
+    });
+    ASSERT_EQ(seen.size(), 6U);
+    EXPECT_EQ(seen[3], Mat3::Identity());
+    EXPECT_TRUE(is_turned(seen[4])) << seen[4];
+}
+
 TEST(HdDevice, SurvivesBeingUnpluggedAndPluggedInAgain)
 {
     Stub stub(STUB_HD);
@@ -264,6 +289,21 @@ TEST(DhdDevice, TouchesByPolling)
     EXPECT_EQ(stub.state.forces_enabled, 0);
     EXPECT_EQ(stub.state.open_devices, 0);
     EXPECT_EQ(stub.state.forces_outside, 0);
+}
+
+TEST(DhdDevice, ReportsHowItIsTurnedWhereItHasAWrist)
+{
+    for (const bool has_wrist : {false, true}) {
+        setenv("PROXIMA_STUB", has_wrist ? "turn=2 wrist=1" : "turn=2", 1);
+        auto device = open_dhd_device({.library = STUB_DHD});
+        unsetenv("PROXIMA_STUB");
+        ASSERT_TRUE(device) << describe(device.error());
+        EXPECT_EQ((*device)->info().rotates, has_wrist);
+        EXPECT_EQ((*device)->read().state.pose.rotation, Mat3::Identity());
+        const Mat3 rotation = (*device)->read().state.pose.rotation;
+        EXPECT_EQ(is_turned(rotation), has_wrist) << rotation;
+        EXPECT_EQ(rotation == Mat3::Identity(), !has_wrist) << rotation;
+    }
 }
 
 TEST(DhdDevice, SaysWhoseLimitsAnUnknownModelHas)

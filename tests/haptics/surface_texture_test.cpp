@@ -15,6 +15,7 @@
 #include "proxima/sample_meshes.h"
 #include "proxima/touch_scene.h"
 
+#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -88,6 +89,9 @@ TEST(HeightField, SlopeIsTheGradientAndCurvatureIsBounded)
     }
 }
 
+/// Lengths of textures are the device's, whatever the model's unit is.
+constexpr std::array<double, 2> model_units = {1, 20}; // to a metre of the device
+
 TEST(SurfaceTexture, GratingPushesAsItsClosedForm)
 {
     const double amplitude = 6e-5;
@@ -97,25 +101,27 @@ TEST(SurfaceTexture, GratingPushesAsItsClosedForm)
                                              .amplitude = amplitude,
                                              .wavelength = wavelength,
                                              .direction = 2 * along}};
-    Table table(with_texture(texture, spring_alone(stiffness)));
-    ASSERT_EQ(table.renderer().options().texture.bump.amplitude, amplitude); // not limited
-    table.rest(Vec3(0, 0, 0.001));
-    const double k = 2 * std::numbers::pi / wavelength;
-    double greatest = 0;
-    int in_grooves = 0;
-    for (int tick = 0; tick < 4000; ++tick) {
-        const double x = 1e-5 * tick;
-        const double depth = 0.001 * (1 - std::cos(1e-3 * tick)); // from 0 on: into the grooves
-        const RenderTick& felt = table.go(x * along + Vec3(0.001, -0.00075, -depth));
-        const double left = std::max(depth - amplitude * (1 - std::cos(k * x)), 0.0);
-        const Vec3 expected = stiffness * left * Vec3::UnitZ() +
-                              stiffness * left * amplitude * k * std::sin(k * x) * along;
-        EXPECT_LT((felt.force - expected).norm(), 1e-6) << tick;
-        greatest = std::max(greatest, std::abs(felt.force.dot(along)));
-        in_grooves += depth > 1e-6 && left == 0 ? 1 : 0;
+    for (const double units : model_units) {
+        Table table(with_texture(texture, spring_alone(stiffness)), omni, units);
+        ASSERT_EQ(table.renderer().options().texture.bump.amplitude, amplitude); // not limited
+        table.rest(Vec3(0, 0, 0.001));
+        const double k = 2 * std::numbers::pi / wavelength;
+        double greatest = 0;
+        int in_grooves = 0;
+        for (int tick = 0; tick < 4000; ++tick) {
+            const double x = 1e-5 * tick;
+            const double depth = 0.001 * (1 - std::cos(1e-3 * tick)); // from 0 on: into the grooves
+            const RenderTick& felt = table.go(x * along + Vec3(0.001, -0.00075, -depth));
+            const double left = std::max(depth - amplitude * (1 - std::cos(k * x)), 0.0);
+            const Vec3 expected = stiffness * left * Vec3::UnitZ() +
+                                  stiffness * left * amplitude * k * std::sin(k * x) * along;
+            EXPECT_LT((felt.force - expected).norm(), 1e-6) << units << ' ' << tick;
+            greatest = std::max(greatest, std::abs(felt.force.dot(along)));
+            in_grooves += depth > 1e-6 && left == 0 ? 1 : 0;
+        }
+        EXPECT_GT(greatest, 0.05);
+        EXPECT_GT(in_grooves, 20);
     }
-    EXPECT_GT(greatest, 0.05);
-    EXPECT_GT(in_grooves, 20);
 }
 
 TEST(SurfaceTexture, ImagePushesAsItsGroovesAndAllocatesNothing)
@@ -224,25 +230,67 @@ TEST(SurfaceTexture, StickSlipIsASawtooth)
 {
     RenderOptions options = spring_alone(stiffness);
     options.texture.stick_slip = {.stiffness = 150, .max_force = 0.5};
-    Table table(options);
-    table.rest(Vec3(0, 0, 0.001));
-    double stick = 0;
-    std::uint64_t slips = 0;
-    for (int tick = 0; tick < 200; ++tick) {
-        const double x = 7e-5 * tick;
-        const RenderTick& felt = table.go(Vec3(x, 0, -0.002));
-        if (150 * (x - stick) > 0.5) {
-            stick = x;
-            ++slips;
+    for (const double units : model_units) {
+        Table table(options, omni, units);
+        table.rest(Vec3(0, 0, 0.001));
+        double stick = 0;
+        std::uint64_t slips = 0;
+        for (int tick = 0; tick < 200; ++tick) {
+            const double x = 7e-5 * tick;
+            const RenderTick& felt = table.go(Vec3(x, 0, -0.002));
+            if (150 * (x - stick) > 0.5) {
+                stick = x;
+                ++slips;
+            }
+            EXPECT_LT((felt.force - Vec3(-150 * (x - stick), 0, stiffness * 0.002)).norm(), 1e-6)
+                << units << ' ' << tick;
         }
-        EXPECT_LT((felt.force - Vec3(-150 * (x - stick), 0, stiffness * 0.002)).norm(), 1e-6);
+        EXPECT_GE(slips, 4U);
+        EXPECT_EQ(table.report().slips, slips);
+        // It sticks anew where it touches again.
+        table.go(Vec3(0.02, 0, 0.001));
+        table.go(Vec3(0.021, 0, -0.002));
+        EXPECT_LT((table.go(Vec3(0.022, 0, -0.002)).force - Vec3(-0.15, 0, 1)).norm(), 1e-6);
     }
-    EXPECT_GE(slips, 4U);
-    EXPECT_EQ(table.report().slips, slips);
-    // It sticks anew where it touches again.
-    table.go(Vec3(0.02, 0, 0.001));
-    table.go(Vec3(0.021, 0, -0.002));
-    EXPECT_LT((table.go(Vec3(0.022, 0, -0.002)).force - Vec3(-0.15, 0, 1)).norm(), 1e-6);
+}
+
+/// The spring of a cube's upper face, z = 0, of a body with that texture, along a way.
+std::vector<Vec3> springs_of_body(const SurfaceTexture& texture, const std::vector<Vec3>& way)
+{
+    TouchScene scene(Box{Vec3(-9, -9, -9), Vec3(9, 9, 9)});
+    const auto body = build_touch_body(cube_mesh(Vec3(0, 0, -0.5), 0.5), {.texture = texture});
+    EXPECT_TRUE(scene.add(*body, {}));
+    auto renderer =
+        make_haptic_renderer(scene, {1, Vec3::Zero()}, omni, spring_alone(stiffness)).value();
+    std::vector<Vec3> springs;
+    for (const Vec3& p : way) springs.push_back(renderer.tick(state_at(p), tick_seconds).spring);
+    return springs;
+}
+
+TEST(SurfaceTexture, TexturesOfBodiesAreLimitedByTheDevice)
+{
+    // A quarter of the stiffness of an omni, and its greatest force: it slips beyond 18.86 mm.
+    const SurfaceTexture rubber = {.stick_slip = {.stiffness = 1e6, .max_force = 1e6}};
+    const auto pulls = springs_of_body(rubber, {Vec3(0, 0, 0.001), Vec3(0, 0, -0.002),
+                                                Vec3(0.018, 0, -0.002), Vec3(0.019, 0, -0.002)});
+    EXPECT_LT((pulls[2] - Vec3(-0.25 * 700 * 0.018, 0, stiffness * 0.002)).norm(), 1e-6);
+    EXPECT_LT((pulls[3] - Vec3(0, 0, stiffness * 0.002)).norm(), 1e-6);
+    // K s^2 A^2 + F s^2 A = K max, as AmplitudeIsLimitedByStiffnessWavelengthAndDevice has it; half way
+    // down into a groove.
+    const double wavelength = 0.02;
+    const SurfaceTexture plough = {
+        .bump = {.shape = BumpShape::grating, .amplitude = 0.01, .wavelength = wavelength}};
+    const double s = 2 * std::numbers::pi / wavelength;
+    const double push = omni.max_force / (2 * stiffness);
+    const double amplitude =
+        std::sqrt(push * push + omni.max_stiffness / (stiffness * s * s)) - push;
+    constexpr double depth = 0.004;
+    const double left = depth - amplitude;
+    ASSERT_GT(left, 0.001);
+    const double x = wavelength / 4;
+    const auto pushes = springs_of_body(plough, {Vec3(x, 0, 0.001), Vec3(x, 0, -depth)});
+    const Vec3 expected = stiffness * left * Vec3(amplitude * s, 0, 1);
+    EXPECT_LT((pushes[1] - expected).norm(), 1e-6);
 }
 
 SurfaceTexture random_texture(std::mt19937_64& random)

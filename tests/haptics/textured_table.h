@@ -21,12 +21,14 @@ inline DeviceState state_at(const Vec3& position, const Vec3& velocity = Vec3::Z
     return state;
 }
 
-/// A renderer of the upper face of a cube, z = 0, in the device's metres.
+/// A renderer of the upper face of a cube of a metre of the device, z = 0.
 class Table {
 public:
-    explicit Table(const RenderOptions& options, const DeviceLimits& device = omni)
-        : mesh_(cube_mesh(Vec3(0, 0, -0.5), 0.5)), surface_(mesh_),
-          renderer_(make_surface_renderer(surface_, {1, Vec3::Zero()}, device, options))
+    explicit Table(const RenderOptions& options, const DeviceLimits& device = omni,
+                   double units_per_metre = 1)
+        : mesh_(cube_mesh(Vec3(0, 0, -0.5 * units_per_metre), 0.5 * units_per_metre)),
+          surface_(mesh_), renderer_(make_surface_renderer(
+                               surface_, {units_per_metre, Vec3::Zero()}, device, options))
     {}
 
     /// Moves there straight, with the velocity of that.

@@ -32,6 +32,16 @@ IndexLeaf& first_leaf_of(EditableIndex& e)
     return e.blocks[at & ~index_leaf_bit].leaf;
 }
 
+IndexLeaf& first_leaf_by_rows(EditableIndex& e)
+{
+    std::uint32_t at = e.root;
+    while ((at & index_leaf_bit) == 0) {
+        const IndexNode& node = e.blocks[at].node;
+        at = node.children[node.order & 15U];
+    }
+    return e.blocks[at & ~index_leaf_bit].leaf;
+}
+
 IndexLeaf& last_leaf_of(EditableIndex& e)
 {
     std::uint32_t at = e.root;
@@ -163,9 +173,30 @@ TEST_F(CheckStructure, NamesBlocksThatFormNoTree)
           }},
          {"it is not empty", [](EditableIndex& e) { e.blocks[0].leaf.count = 1; }},
          {"rows of no leaf", [](EditableIndex& e) { --last_leaf_of(e).count; }},
+         {"rows that are not one run", [](EditableIndex& e) { --first_leaf_by_rows(e).count; }},
          {"too many levels", [](EditableIndex& e) {
               for (std::uint32_t level = 0; level <= IndexParts::max_levels; ++level) put_on_top(e);
           }}});
+}
+
+TEST_F(CheckStructure, NamesALeafOfMoreTrianglesThanThereAre)
+{
+    const TriangleMesh mesh = make_triangle_mesh({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}},
+                                                 {{0, 2, 1}, {0, 1, 3}, {0, 3, 2}, {1, 2, 3}})
+                                  .value();
+    const MeshIndex small =
+        with_signs(with_slabs(testing::listed_index(mesh).value()).value()).value();
+    EXPECT_EQ(EditableIndex(small).fault(), "");
+    for (const std::uint32_t first : {0U, 1U, 0xFFFFFFFBU, 0xFFFFFFFFU}) {
+        for (const std::uint16_t count : {std::uint16_t{4}, std::uint16_t{5}, std::uint16_t{8}}) {
+            if (first == 0 && count == 4) continue; // as it is
+            EditableIndex edited(small);
+            first_leaf_of(edited).first_row = first;
+            first_leaf_of(edited).count = count;
+            EXPECT_NE(edited.fault().find("no such rows"), std::string::npos)
+                << first << ", " << count << ": " << edited.fault();
+        }
+    }
 }
 
 /// A chain of nodes with one child each is a tree as long as walks have room for its levels.

@@ -39,6 +39,11 @@ TEST(JsonText, ResolvesEscapes)
     EXPECT_EQ((*json)[*member].text, "\"\\/\b\f\n\r\t\xC3\xA9\xE2\x82\xAC");
 }
 
+TEST(JsonText, TakesAnyWhiteSpace)
+{
+    EXPECT_TRUE(parsed("\r\n{\r\n\t\"a\"\r: [1,\r\n2 ]\r\n}\r\n"));
+}
+
 TEST(JsonText, RefusesDamage)
 {
     for (const char* text :

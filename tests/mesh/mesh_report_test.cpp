@@ -163,6 +163,10 @@ TEST(MeshReport, FindsNonFinitePositions)
               (Kinds{FindingKind::non_finite_positions, FindingKind::unreferenced_vertices}));
     EXPECT_EQ(found.findings[0].severity, Severity::note);
     EXPECT_EQ(outlook(found, QueryKind::octree), Outlook::works);
+    unused.positions[3].y() = nan_value; // in use, before the one that is not
+    const MeshReport both = report(unused);
+    EXPECT_EQ(both.findings[0].severity, Severity::error);
+    EXPECT_EQ(outlook(both, QueryKind::octree), Outlook::refused);
 }
 
 TEST(MeshReport, FindsExtremeScale)
@@ -182,6 +186,30 @@ TEST(MeshReport, FindsExtremeScale)
     }
     for (const double scale : {1e-30, 1e30, 1e-99, 1e99}) {
         EXPECT_EQ(kinds(report(Draft().add(make_cube(), Vec3::Zero(), scale))), Kinds{}) << scale;
+    }
+}
+
+TEST(MeshReport, MeasuresMeshesOfAnySize)
+{
+    for (const double size : {1e-150, 1e-90, 1e-85, 1e80, 1e99, 1e150}) {
+        const MeshReport found = report(Draft().add(make_cube(), Vec3::Zero(), size));
+        EXPECT_NEAR(found.area / size / size, 24, 1e-9) << size;
+    }
+    for (const double size : {1e-300, 1e-170, 1e200, 1e300}) {
+        const MeshReport found = report(Draft().add(make_cube(), Vec3::Zero(), size));
+        EXPECT_NEAR(found.min_edge_length / size, 2, 1e-9) << size;
+        EXPECT_NEAR(found.max_edge_length / size, std::sqrt(8.0), 1e-9) << size;
+    }
+}
+
+TEST(MeshReport, CountsDigitsOfWhatIsAsThinAsCanBe)
+{
+    for (const auto& [reach, extent] : {std::pair(1.0, 5e-324), std::pair(1e300, 1e-10)}) {
+        const MeshReport found = report(*make_triangle_mesh(
+            {{reach, 0, 0}, {reach, extent, 0}, {reach, 0, extent}}, {{0, 1, 2}}));
+        const MeshFinding* const far = found.find(FindingKind::far_from_origin);
+        ASSERT_NE(far, nullptr);
+        EXPECT_NE(far->meaning.find("about 0 of double's"), std::string::npos) << far->meaning;
     }
 }
 
@@ -346,8 +374,31 @@ TEST(MeshReport, EveryFindingHasAMeaningAndEveryNameIsItsOwn)
     }
 }
 
+TEST(MeshReport, HasNoOrientationWithAFlatPart)
+{
+    Draft draft = cube_draft();
+    const Vec3 at(9, 0, 0);
+    draft.positions.insert(draft.positions.end(),
+                           {at, at + Vec3(1, 0, 0), at + Vec3(0, 1, 0), at + Vec3(1, 1, 0)});
+    draft.triangles.insert(draft.triangles.end(),
+                           {{8, 9, 10}, {9, 11, 10}, {8, 11, 9}, {8, 10, 11}});
+    const MeshReport found = report(draft);
+    EXPECT_TRUE(found.closed);
+    EXPECT_EQ(found.orientation, Orientation::undefined);
+}
+
+TEST(MeshReport, AsksAboutWeldingOnlyWhereThereAreDuplicates)
+{
+    Draft open = cube_draft();
+    open.triangles.pop_back();
+    EXPECT_FALSE(report(open).closed_if_welded.has_value());
+}
+
 TEST(MeshReport, StopsOnRequestAndRespectsItsBudget)
 {
+    Progress whole;
+    ASSERT_TRUE(report_mesh(make_cube(), {.execution = {.progress = &whole}}));
+    EXPECT_EQ(whole.fraction(), 1);
     Progress progress;
     progress.cancel();
     EXPECT_EQ(report_mesh(make_cube(), {.execution = {.progress = &progress}}).error().code,

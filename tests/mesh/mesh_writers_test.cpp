@@ -1,7 +1,9 @@
 #include "mesh/mesh_files.h"
 
+#include <array>
 #include <bit>
 #include <cmath>
+#include <cstring>
 #include <limits>
 #include <random>
 #include <sys/resource.h>
@@ -119,7 +121,7 @@ TEST_F(MeshWriterTest, StlReadsBackCornerByCorner)
 TEST_F(MeshWriterTest, BinaryStlRoundsToFloat)
 {
     const TriangleMesh written = mesh_of(
-        {{0.1, 0.30000000000000004, -0.0}, {1e-50, 3e38, 1}, {-7, std::nan(""), 2}}, {{0, 1, 2}});
+        {{0.1, 0.30000000000000004, -0.0}, {1e-50, 3e38, 1}, {-HUGE_VAL, std::nan(""), 2}}, {{0, 1, 2}});
     ASSERT_TRUE(write_mesh(written, path("mesh.stl")));
     EXPECT_EQ(fs::file_size(path("mesh.stl")), 134U);
     const auto read = read_mesh(path("mesh.stl"), {.weld = Weld::never});
@@ -156,6 +158,26 @@ TEST_F(MeshWriterTest, WritesUnitNormalsOfAnyScale)
         EXPECT_NE(text.find("facet normal 0 0 1\n"), std::string::npos) << text;
         EXPECT_NE(text.find("facet normal 0 0 0\n"), std::string::npos) << text;
     }
+}
+
+TEST_F(MeshWriterTest, WritesNormalsOfBinaryStl)
+{
+    // A face that looks along -x, and a slanted one.
+    const TriangleMesh mesh =
+        mesh_of({{0, 0, 0}, {0, 0, 1}, {0, 1, 0}, {1, 2, 0}, {0, -2, 1}}, {{0, 1, 2}, {0, 3, 4}});
+    ASSERT_TRUE(write_mesh(mesh, path("mesh.stl")));
+    const std::string bytes = file_content(path("mesh.stl"));
+    ASSERT_EQ(bytes.size(), 184U);
+    const auto normal_at = [&](std::size_t offset) {
+        std::array<float, 3> normal{};
+        std::memcpy(normal.data(), bytes.data() + offset, sizeof normal);
+        return normal;
+    };
+    EXPECT_EQ(normal_at(84), (std::array<float, 3>{-1, 0, 0}));
+    const auto slanted = normal_at(134); // (1, 2, 0) x (0, -2, 1) = (2, -1, -2)
+    EXPECT_FLOAT_EQ(slanted[0], 2.0F / 3);
+    EXPECT_FLOAT_EQ(slanted[1], -1.0F / 3);
+    EXPECT_FLOAT_EQ(slanted[2], -2.0F / 3);
 }
 
 TEST_F(MeshWriterTest, NamesTheFormatsItWrites)

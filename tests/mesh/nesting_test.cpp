@@ -51,5 +51,31 @@ TEST(OddNesting, AgreesWithIntervalsOfCubes)
     EXPECT_GT(inside, 500U);
 }
 
+TEST(OddNesting, MovesPointsOfSlantedFacesAlongXFirst)
+{
+    // A solid below the plane z = x: a point of that face is inside once it moves along x.
+    Draft draft;
+    draft.positions = {Vec3(0, 0, 0), Vec3(4, 0, 4), Vec3(2, 4, 2), Vec3(4, 1, 0)};
+    draft.triangles = {{0, 1, 2}, {0, 3, 1}, {1, 3, 2}, {0, 2, 3}};
+    const std::vector<std::uint32_t> surface_of(4, 0);
+    const std::vector<SurfaceSample> samples = {{Vec3(2, 1, 2), 1}};
+    EXPECT_EQ(odd_nesting(draft.mesh(), surface_of, samples, {1}, nullptr),
+              std::vector<std::uint8_t>{1});
+    for (TriangleCorners& corners : draft.triangles) std::swap(corners[0], corners[1]);
+    for (Vec3& p : draft.positions) std::swap(p.x(), p.z()); // the solid above z = x
+    EXPECT_EQ(odd_nesting(draft.mesh(), surface_of, samples, {1}, nullptr),
+              std::vector<std::uint8_t>{0});
+}
+
+TEST(NestedSurfaces, HaveACornerOfTheirOwn)
+{
+    Draft draft = cube_draft();
+    draft.triangles.insert(draft.triangles.end(), {{1, 2, 4}, {1, 7, 2}, {1, 4, 7}, {2, 7, 4}});
+    std::vector<std::uint32_t> surface_of(16, 1);
+    std::fill_n(surface_of.begin(), 12, 0U);
+    EXPECT_EQ(nested_surfaces(draft.mesh(), surface_of, 2, {1}, nullptr),
+              (std::vector<std::uint8_t>{0, 0}));
+}
+
 } // namespace
 } // namespace proxima::nesting_test

@@ -155,6 +155,22 @@ TEST(BuildOctree, ReproducesTheSphereOfTheThesis)
     }
 }
 
+TEST(BuildOctree, IsExactForTheSmallestMeshes)
+{
+    const TriangleMesh ball = make_icosphere(1);
+    for (const double size : {1e-280, 1e-289, 1e-291, 1e-299, 1e-300, 1e-305, 1e-310, 1e-320}) {
+        std::vector<Vec3> positions;
+        for (const Vec3& p : ball.positions()) positions.emplace_back(size * p);
+        const TriangleMesh mesh =
+            *make_triangle_mesh(positions, {ball.triangles().begin(), ball.triangles().end()});
+        const auto octree =
+            build_octree(mesh, {.max_depth = 3, .classification = Classification::none});
+        ASSERT_TRUE(octree) << size << ": " << describe(octree.error());
+        const Status status = check_octree(*octree, mesh);
+        EXPECT_TRUE(status) << size << ": " << describe(status.error());
+    }
+}
+
 TEST(BuildOctree, UniformSubdivisionSplitsEverything)
 {
     for (std::uint32_t seed = 0; seed < 60; ++seed) {
@@ -287,6 +303,13 @@ TEST(BuildOctree, RefusesInvalidMeshesAndOptions)
     EXPECT_EQ(code(*unused, {}), "built");
     EXPECT_NE(code(cube, {.root = OctreeFrame{Vec3::Zero(), Vec3::Ones()}}).find("contain"),
               std::string::npos);
+    for (int axis = 0; axis < 3; ++axis) { // which holds the lower corner, but not the upper one
+        OctreeFrame small{Vec3::Constant(-1), Vec3::Constant(2)};
+        small.edge[axis] = 1.5;
+        EXPECT_NE(code(cube, {.root = small}).find("contain"), std::string::npos);
+        small.edge[axis] = 0;
+        EXPECT_NE(code(cube, {.root = small}).find("positive"), std::string::npos);
+    }
     EXPECT_NE(code(cube, {.root = OctreeFrame{Vec3::Zero(), Vec3::Zero()}}).find("positive"),
               std::string::npos);
     const double infinity = std::numeric_limits<double>::infinity();

@@ -1,5 +1,6 @@
 #include "proxima/grow_cells.h"
 
+#include "octree/distribute_children.h"
 #include "octree/nasty_meshes.h"
 #include "octree/random_octree_options.h"
 #include "proxima/sample_meshes.h"
@@ -220,6 +221,13 @@ TEST(GrowCells, RefusesWhatItCannotGrow)
     EXPECT_NE(says({Vec3::Zero(), Vec3::Ones()}, {{{}, ids}}).find("out of the root"),
               std::string::npos);
     EXPECT_NE(says({Vec3::Zero(), Vec3::Zero()}, {{{}, ids}}).find("positive"), std::string::npos);
+    for (int axis = 0; axis < 3; ++axis) { // which holds the lower corner, but not the upper one
+        OctreeFrame small = frame;
+        small.edge[axis] = 1.5;
+        EXPECT_NE(says(small, {{{}, ids}}).find("out of the root"), std::string::npos);
+        small.edge[axis] = 0;
+        EXPECT_NE(says(small, {{{}, ids}}).find("positive"), std::string::npos);
+    }
     const double infinity = std::numeric_limits<double>::infinity();
     for (const OctreeFrame& root : {OctreeFrame{Vec3::Constant(-9), Vec3(infinity, 20, 20)},
                                     OctreeFrame{Vec3(-infinity, -9, -9), Vec3::Constant(20)}})
@@ -241,6 +249,16 @@ TEST(GrowCells, RefusesWhatItCannotGrow)
     EXPECT_NE(
         says(frame, {{{}, ids}}, {.execution = {.progress = &progress}}).find("stopped on request"),
         std::string::npos);
+}
+
+/// Sums of lanes are added up before they leave 32 bits.
+TEST(GrowCells, CountsMoreChildrenThanALaneHolds)
+{
+    const std::size_t count = (std::size_t{1} << 24U) + 5;
+    std::vector<std::uint32_t> masks(count + lane_padding, 0);
+    masks[3] = 0xFF;
+    masks[count - 1] = 0x11;
+    EXPECT_EQ(count_children(masks.data(), count), 10U);
 }
 
 } // namespace

@@ -214,6 +214,46 @@ def test_visible_triangles(mesh, index):
         index.visible([[0, 0, np.nan, 1]])
 
 
+@pytest.fixture(scope="module")
+def tiles():
+    """Small triangles in z = 0 around points whose x and y are odd multiples of 1/8, and these points."""
+    middles = np.stack(np.meshgrid(*[np.arange(-3.875, 4, 0.25)] * 2), axis=-1).reshape(-1, 2)
+    corners = middles[:, None] + [[0.1, 0], [-0.05, 0.08], [-0.05, -0.08]]
+    vertices = np.pad(corners.reshape(-1, 2), ((0, 0), (0, 1)))
+    return proxima.Index(proxima.Mesh(vertices, np.arange(len(vertices)).reshape(-1, 3))), middles
+
+
+def within(middles, x, y):
+    """The triangles around points with |x| and |y| below these."""
+    return np.flatnonzero((np.abs(middles) < [x, y]).all(axis=1))
+
+
+def test_an_orthographic_camera_sees_a_box(tiles):
+    index, middles = tiles
+
+    def seen(up=(0, 1, 0), **options):
+        return index.visible(proxima.orthographic([0, 0, 5], [0, 0, -1], up, **options)).tolist()
+
+    wide = within(middles, 2, 0.5).tolist()
+    assert len(wide) == 16 * 4 and seen(width=4, height=1) == wide == seen(width=4, height=1, near=4, far=6)
+    assert seen((1, 0, 0), width=4, height=1) == within(middles, 0.5, 2).tolist()
+    assert seen(width=4, height=1, near=6) == seen(width=4, height=1, far=4) == []
+    assert seen() == within(middles, 1, 1).tolist()
+
+
+def test_a_perspective_camera_sees_a_pyramid(tiles):
+    index, middles = tiles
+
+    def seen(up=(0, 1, 0), **options):  # 90 degrees from 1 above: from -1 to 1
+        return index.visible(proxima.perspective([0, 0, 1], [0, 0, -1], up, field_of_view=np.pi / 2, **options)).tolist()
+
+    wide = within(middles, 2, 1).tolist()
+    assert len(wide) == 16 * 8 and seen(aspect=2) == wide == seen(aspect=2, near=0.5, far=2)
+    assert seen((1, 0, 0), aspect=2) == within(middles, 1, 2).tolist()
+    assert seen(near=1.5) == seen(far=0.5) == []
+    assert seen() == within(middles, 1, 1).tolist()
+
+
 def shift(*by):
     pose = np.eye(4)
     pose[:3, 3] = by

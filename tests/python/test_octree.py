@@ -39,8 +39,19 @@ def test_statistics_count_the_leaves(mesh):
     assert counts["leaves"] == len(leaves.kind) and counts["references"] == len(leaves.triangle)
     assert counts["boundary"] == (leaves.kind == 2).sum() and counts["inner"] == (leaves.kind == 1).sum()
     assert counts["depth_reached"] == leaves.depth.max() and f"{len(leaves.kind)} leaves" in repr(octree)
+    assert counts["outer"] == (leaves.kind == 0).sum() and counts["unclassified"] == 0
+    lists = np.diff(leaves.first)
+    occupied = lists[lists > 0]
+    assert (counts["min_triangles"], counts["max_triangles"]) == (occupied.min(), occupied.max())
+    assert counts["occupied_leaves"] == len(occupied) and counts["occupied_percent"] == pytest.approx(100 * len(occupied) / len(lists))
+    for name, lengths in (("triangles", occupied), ("all_leaves", lists)):
+        assert counts[f"mean_{name}"] == pytest.approx(lengths.mean()) and counts[f"std_{name}"] == pytest.approx(lengths.std()), name
+    cells = {key >> 3 * up for key, depth in zip(leaves.key.tolist(), leaves.depth.tolist()) for up in range(depth + 1)}
+    assert counts["total"] == len(cells)
+    assert counts["bytes"] == 8 * (len(cells) - (lists == 0).sum()) + 4 * len(leaves.triangle)  # empty leaves take none
     plain = proxima.Octree(mesh, uniform=True, max_depth=2, classify=False, threads=1)
     assert plain.statistics["leaves"] == 64 and (plain.leaves().kind >= 2).all()
+    assert plain.statistics["unclassified"] == (plain.leaves().kind == 3).sum() > 0
 
 
 def test_files(tmp_path, mesh):

@@ -144,17 +144,49 @@ def test_two_boxes(cube, box):
     assert len(box.contact_regions(box, poses[1]).depth) == 0
 
 
-def test_two_regions_of_a_ring_through_a_ball():
-    ring, ball = (proxima.Solid(proxima.Mesh.sample(name)) for name in ("torus:48x24", "icosphere:3"))
-    assert not ring.is_convex and ring.penetration_depth(ball, at(1, 0, 0)).lower > 0
-    vertices = ring.index.mesh().vertices
-    outside = np.linalg.norm(vertices, axis=1).max()
-    regions = ring.contact_regions(ball, at(0.2 + outside, 0, 0))
-    assert len(regions.depth) >= 1 and (regions.depth > 0).all()
-    assert np.allclose(np.linalg.norm(regions.normal, axis=1), 1)
-    depth = ring.penetration_depth(ball, at(0.2 + outside, 0, 0))
-    free = at(0.2 + outside, 0, 0) + np.column_stack([np.zeros((3, 3)), depth.translation])
-    assert depth.lower <= depth.upper and not ring.overlaps(ball, free) and not ring.index.intersect(ball.index, free, pairs=False)
+@pytest.fixture(scope="module")
+def ring_and_ball():
+    """A ring whose tube has the radius 1/2 and whose middle is the unit circle, and a ball of radius 1."""
+    return [proxima.Solid(proxima.Mesh.sample(name)) for name in ("torus:48x24", "icosphere:3")]
+
+
+def test_two_regions_of_a_ring_through_a_ball(ring_and_ball):
+    """The ball is about (1, 0, 0), in the middle of the tube. With r the distance from the z axis, the ring's surface has
+    (r - 1)^2 + z^2 = 1/4, and is 1 away from there where r^2 + z^2 = 2 x, so where x = r - 3/8: a loop at y > 0, and its mirror image."""
+    ring, ball = ring_and_ball
+    pose = turned([1, 2, 3], 0.4, [1, 0, 0])  # no corner of the ball is on an edge of the ring
+    regions = ring.contact_regions(ball, pose)
+    turn = np.linspace(0, 2 * np.pi, 2001)
+    r, z = 1 + 0.5 * np.cos(turn), 0.5 * np.sin(turn)
+    loop = np.stack([r - 3 / 8, np.sqrt(r**2 - (r - 3 / 8)**2), z], axis=1)
+    lengths = np.linalg.norm(np.diff(loop, axis=0), axis=1)
+    middle = lengths @ (loop[1:] + loop[:-1]) / (2 * lengths.sum())
+    area = np.cross(loop[:-1], loop[1:]).sum(axis=0) / 2
+    normal = -np.sign(area[1]) * area / np.linalg.norm(area)  # into the ball
+    mirrored = [1, -1, 1]
+    assert not ring.is_convex and len(regions.depth) == 2 and np.diff(regions.first_line).tolist() == [1, 1]
+    assert regions.contour.closed.all()
+    order = np.argsort(regions.position[:, 1])
+    assert np.allclose(regions.position[order], [middle * mirrored, middle], atol=0.01)
+    assert np.allclose(regions.normal[order], [normal * mirrored, normal], atol=0.01)
+    assert np.allclose(regions.length, lengths.sum(), rtol=0.02) and np.allclose(regions.area, np.linalg.norm(area), rtol=0.03)
+    # The line through each middle is 1.76 long in ring and ball, and none in the ball is longer than 2.
+    assert (regions.depth > 1.7).all() and (regions.depth <= 2).all()
+    depth = ring.penetration_depth(ball, pose)
+    assert 0 < depth.lower <= depth.upper == pytest.approx(1.5, abs=0.02)  # balls of radius 1/2 and 1 have one centre
+
+
+def test_a_ball_in_the_rim_of_a_ring(ring_and_ball):
+    """Along x the ring ends at 1.5, and the ball begins at 0.7."""
+    ring, ball = ring_and_ball
+    pose = turned([1, 2, 3], 0.4, [1.7, 0, 0])
+    regions = ring.contact_regions(ball, pose)
+    assert len(regions.depth) == 1 and regions.depth[0] == pytest.approx(0.8, abs=0.01)
+    assert np.allclose(regions.normal, [[1, 0, 0]], atol=0.01) and np.allclose(regions.position[0, 1:], 0, atol=0.01)
+    depth = ring.penetration_depth(ball, pose)
+    assert 0 < depth.lower <= depth.upper == pytest.approx(0.8, abs=0.02) and depth.direction[0] > 0.95
+    free = pose + np.column_stack([np.zeros((3, 3)), depth.translation])
+    assert not ring.overlaps(ball, free) and not ring.index.intersect(ball.index, free, pairs=False)
 
 
 @pytest.mark.parametrize("make, says", [

@@ -4,6 +4,7 @@ import gc
 import json
 import os
 import socket
+import struct
 import subprocess
 import threading
 import time
@@ -127,12 +128,30 @@ class Tick(ctypes.Structure):
         ("squeezed", ctypes.c_int32), ("count", ctypes.c_uint32), ("contacts", Contact * 3)]
 
 
+def doubles(values):
+    """As C takes them."""
+    return (ctypes.c_double * np.size(values))(*np.ravel(values))
+
+
+@compared
+def test_devices_and_workspaces_are_those_of_the_interface_for_c():
+    c = ctypes.CDLL(os.environ["PROXIMA_C_LIBRARY"])
+    for name in ("touch", "omni", "desktop", "falcon", "omega", "delta"):
+        limits = doubles([0] * 4)
+        assert c.proxima_device_limits_of(name.encode(), limits) == 0
+        assert list(limits) == list(proxima.device_limits(name)), name
+    fitted = doubles([0] * 4)
+    assert c.proxima_fit_workspace(doubles([1, 2, 3]), doubles([3, 4, 5]), ctypes.c_double(0.1), fitted) == 0
+    scene = proxima.TouchScene([[1, 2, 3], [3, 4, 5]])
+    scene.add(proxima.Mesh.sample("octahedron"), np.hstack([np.eye(3), [[2], [3], [4]]]))
+    renderer = proxima.TouchRenderer(scene, device="omni")
+    assert list(fitted) == [renderer.units_per_metre, *renderer.center] and fitted[1:] == [2, 3, 4]
+    assert fitted[0] == pytest.approx(np.sqrt(3) / (0.6 * 0.1))
+
+
 @compared
 def test_the_interface_for_c_has_the_same_bits():
     c = ctypes.CDLL(os.environ["PROXIMA_C_LIBRARY"])
-
-    def doubles(values):
-        return (ctypes.c_double * np.size(values))(*np.ravel(values))
 
     def made(function, *arguments):
         thing = ctypes.c_void_p()
@@ -246,6 +265,20 @@ def test_replays_a_scene(tmp_path):
                          (models[0], "model: must be a list of the scene's 2")):
         with pytest.raises(proxima.InvalidInput, match=says):
             proxima.TouchRenderer.replay(tmp_path / "a.pxt", models)
+
+
+@pytest.mark.parametrize("given, flags", [
+    ({}, 1), ({"velocity": (1, 2, 3)}, 3), ({"spin": (0, 0, 5)}, 3), ({"velocity": (1, 2, 3), "spin": (0, -4, 5)}, 3),
+    ({"material": (300, 1, 0.4, 0.3)}, 5), ({"spin": (6, 0, 0), "material": (300, 1, 0.4, 0.3)}, 7)])
+def test_an_engine_sends_all_that_it_says_of_an_object(monkeypatch, given, flags):
+    """By the table in docs/engine_channel.md: Proxima heeds what the flags name."""
+    monkeypatch.syspath_prepend(ROOT / "examples")
+    import engine_client
+
+    number, told, *numbers = struct.unpack("<II17d", engine_client.pose_of(7, (0.1, 0.2, 0.3), (0.8, 0, 0.6, 0), **given))
+    assert (number, told, numbers[:7]) == (7, flags, [0.1, 0.2, 0.3, 0.8, 0, 0.6, 0])
+    assert numbers[7:10] == list(given.get("velocity", [0] * 3)) and numbers[10:13] == list(given.get("spin", [0] * 3))
+    assert numbers[13:] == list(given.get("material", [0] * 4))
 
 
 @compared

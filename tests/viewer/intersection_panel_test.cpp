@@ -163,7 +163,7 @@ TEST(IntersectionPanel, LeavesTheCameraWhereNothingMetAtFirst)
 TEST(IntersectionPanel, StopsWhereItIsAskedTo)
 {
     const auto models =
-        load_view_models(std::vector<std::string>{"icosphere:3", "torus:32x16"}, {});
+        load_view_models(std::vector<std::string>{"icosphere:3", "torus:32x16"}, Primitives::triangles, {});
     ASSERT_TRUE(models);
     const auto panel = make_intersection_panel();
     panel->models_changed(*models, Vec3::UnitZ());

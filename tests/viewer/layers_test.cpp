@@ -61,21 +61,39 @@ TEST(Layers, ACutKeepsWhatLiesInside)
     EXPECT_EQ(scene.surfaces[0].normals.size(), scene.surfaces[0].positions.size());
 }
 
-class LayersGlb : public FolderTest {};
+class LayersGlb : public FolderTest {
+protected:
+    [[nodiscard]] std::string exported(const SceneLayer& layer)
+    {
+        const auto path = folder() / "shown.glb";
+        EXPECT_TRUE(export_scene(flattened(std::span(&layer, 1), {}), path));
+        std::ostringstream text;
+        text << std::ifstream(path, std::ios::binary).rdbuf();
+        return text.str();
+    }
+};
 
 TEST_F(LayersGlb, HoldsEverySurfaceAndLine)
 {
-    const SceneLayer layer = {.scene = ball_scene()};
-    const auto path = folder() / "shown.glb";
-    ASSERT_TRUE(export_scene(flattened(std::span(&layer, 1), {}), path));
-    std::ostringstream text;
-    text << std::ifstream(path, std::ios::binary).rdbuf();
-    const std::string bytes = text.str();
+    const std::string bytes = exported({.scene = ball_scene()});
     ASSERT_GT(bytes.size(), 20U);
     EXPECT_EQ(bytes.substr(0, 4), "glTF");
     EXPECT_NE(bytes.find(R"("name":"ball")"), std::string::npos);
     EXPECT_NE(bytes.find(R"("name":"box")"), std::string::npos);
     EXPECT_NE(bytes.find(concat("\"count\":", 3 * 1280)), std::string::npos) << "indices";
+}
+
+TEST_F(LayersGlb, IsAsTransparentAsThePicture)
+{
+    const std::string blended = R"("doubleSided":true,"alphaMode":"BLEND",)";
+    EXPECT_EQ(exported({.scene = ball_scene()}).find("alphaMode"), std::string::npos);
+    const std::string bytes = exported({.scene = ball_scene(), .opacity = 0.25F});
+    for (const char* name : {R"("name":"ball",)", R"("name":"box",)"}) {
+        const std::size_t at = bytes.find(name + blended);
+        ASSERT_NE(at, std::string::npos) << name;
+        const std::size_t color = bytes.find("\"baseColorFactor\":[", at);
+        EXPECT_EQ(bytes.substr(bytes.find(']', color) - 5, 5), ",0.25") << name;
+    }
 }
 
 #ifdef PROXIMA_HAS_OPENGL

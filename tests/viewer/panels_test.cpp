@@ -219,6 +219,7 @@ TEST(Panels, CullingPanelHasItsVolumeInThePicture)
 {
     const Shown shown({"icosphere:4"}, "culling");
     const View view(shown.viewer.camera(), shown_size);
+    EXPECT_EQ(shown.segments("volume"), 12U);
     for (const SceneLines& lines : shown.scene().lines) {
         if (lines.name != "volume") continue;
         for (const auto& segment : lines.segments) {
@@ -475,7 +476,7 @@ TEST_F(PanelsOfFiles, MinkowskiPanelSumsWhatTheTrianglesOfAModelBound)
 
 TEST(Panels, MinkowskiPanelStopsWhileItLooksAtTheModel)
 {
-    const auto models = load_view_models(std::vector<std::string>{"torus:48x24"}, {});
+    const auto models = load_view_models(std::vector<std::string>{"torus:48x24"}, Primitives::triangles, {});
     ASSERT_TRUE(models);
     const auto panel = make_minkowski_panel();
     panel->models_changed(*models, Vec3::UnitZ());
@@ -507,6 +508,7 @@ TEST(Panels, TouchPanelFeelsTheSurface)
     EXPECT_NE(shown.fact("contact"), "free");
     EXPECT_NEAR(shown.number("force"), force_at_rest(*shown.viewer.models()[0], 0.3), 1e-3);
     // The proxy stays on the unit sphere although the hand pulls below it.
+    EXPECT_GT(shown.triangles("proxy"), 0U);
     for (const SceneSurface& surface : shown.scene().surfaces) {
         if (surface.name != "proxy") continue;
         Box box;
@@ -520,7 +522,7 @@ TEST(Panels, TouchPanelFeelsTheSurface)
 
 TEST(Panels, TouchPanelStopsWhereItIsAskedTo)
 {
-    const auto models = load_view_models(std::vector<std::string>{"icosphere:3"}, {});
+    const auto models = load_view_models(std::vector<std::string>{"icosphere:3"}, Primitives::triangles, {});
     ASSERT_TRUE(models);
     const auto panel = make_touch_panel(Pictures::still);
     panel->models_changed(*models, Vec3::UnitZ());
@@ -535,7 +537,7 @@ TEST(Panels, TouchPanelStopsWhereItIsAskedTo)
 
 TEST(Panels, WindowsDoNotWaitForWhatTouchPanelsBuild)
 {
-    const auto models = load_view_models(std::vector<std::string>{"icosphere:6"}, {});
+    const auto models = load_view_models(std::vector<std::string>{"icosphere:6"}, Primitives::triangles, {});
     ASSERT_TRUE(models);
     // A frame that comes back in time can stop the work. It may come late on a busy machine, but not
     // again and again.

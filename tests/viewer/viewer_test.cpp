@@ -3,7 +3,10 @@
 #include "viewer/background_work.h"
 #include "viewer/shown_viewer.h"
 
+#include <algorithm>
+#include <cmath>
 #include <new>
+#include <numbers>
 
 namespace proxima::viewer_test {
 namespace {
@@ -117,10 +120,13 @@ TEST(Viewer, MouseOrbitsPansAndZooms)
     Shown shown({"icosphere:2"}, "model");
     Viewer& viewer = shown.viewer;
     const OrbitCamera before = viewer.camera();
+    const Vec3 in_front = before.target + View(before, shown_size).back();
+    const auto column = [&] { return View(viewer.camera(), shown_size).project(in_front).x; };
+    const double middle = column();
     viewer.press(MouseButton::left, {200, 150});
     viewer.move({260, 170});
     viewer.release({260, 170});
-    EXPECT_NE(viewer.camera().azimuth, before.azimuth);
+    EXPECT_GT(column(), middle + 10) << "the front follows the mouse to the right";
     EXPECT_GT(viewer.camera().elevation, before.elevation);
     EXPECT_EQ(viewer.camera().target, before.target);
     EXPECT_FALSE(viewer.picked()) << "a drag is no click";
@@ -166,6 +172,7 @@ TEST(Viewer, HandlesFollowTheMouseInTheirPlane)
     Viewer& viewer = shown.viewer;
     const View view(viewer.camera(), shown_size);
     const Vec3 before = viewer.handles()[0];
+    const OrbitCamera camera = viewer.camera();
     const ScreenPoint from = view.project(before);
     viewer.press(MouseButton::left, {from.x + 3, from.y});
     viewer.move({from.x + 43, from.y - 25});
@@ -175,7 +182,40 @@ TEST(Viewer, HandlesFollowTheMouseInTheirPlane)
     EXPECT_NEAR(view.depth(after), view.depth(before), 1e-9);
     EXPECT_NEAR(to.x, from.x + 43, 1e-6);
     EXPECT_NEAR(to.y, from.y - 25, 1e-6);
-    EXPECT_EQ(viewer.camera().azimuth, OrbitCamera(viewer.camera()).azimuth);
+    EXPECT_EQ(viewer.camera().azimuth, camera.azimuth);
+    EXPECT_EQ(viewer.camera().elevation, camera.elevation);
+    EXPECT_EQ(viewer.camera().target, camera.target);
+}
+
+TEST(Viewer, AnglesOfSettingsAreInDegrees)
+{
+    Shown shown({"icosphere:1"}, "model", {"azimuth=30", "elevation=45"});
+    constexpr double degree = std::numbers::pi / 180;
+    EXPECT_NEAR(shown.viewer.camera().azimuth, 30 * degree, 1e-12);
+    EXPECT_NEAR(shown.viewer.camera().elevation, 45 * degree, 1e-12);
+    const Vec3 back = View(shown.viewer.camera(), shown_size).back();
+    EXPECT_NEAR(back.dot(shown.viewer.camera().up), std::sqrt(0.5), 1e-12);
+}
+
+TEST(Viewer, ChecksSettingsAgainAndChangesNothing)
+{
+    Viewer viewer;
+    ASSERT_TRUE(viewer.choose_panel("octree"));
+    const auto offer = [&](Controls& controls) { viewer.offer(controls); };
+    const std::vector<std::string> settings = {"model=5", "depth=4"};
+    ASSERT_TRUE(apply_settings(settings, offer)) << "before there are models";
+    viewer.open({"cube", "octahedron"});
+    ASSERT_TRUE(viewer.finish_loading());
+    const Status refused = check_settings(settings, offer);
+    ASSERT_FALSE(refused);
+    EXPECT_NE(refused.error().message.find("1 to 2"), std::string::npos) << refused.error().message;
+    EXPECT_TRUE(check_settings({"model=1", "depth=7", "panel=octree", "show all=press"}, offer));
+    const std::vector<ControlDescription> controls = describe_controls(offer);
+    EXPECT_EQ(std::ranges::find(controls, "depth", &ControlDescription::name)->value, "4");
+    viewer.open({"cube"});
+    ASSERT_TRUE(viewer.finish());
+    EXPECT_NE(check_settings({"model=1"}, offer).error().message.find("several models"),
+              std::string::npos);
 }
 
 TEST(Viewer, CancelsWorkAndStartsAgain)

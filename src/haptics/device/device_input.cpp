@@ -246,7 +246,7 @@ void InputGuard::watch_recovery(double ramp) noexcept
 DeviceCommand InputGuard::command(const HapticRenderer& renderer) noexcept
 {
     const RenderTick& tick = renderer.last();
-    const RenderOptions& options = renderer.options();
+    const SurfaceMaterial touched = parts_of(renderer).touched_material();
     const Mat3 back = options_.rotation.transpose();
     const auto to_device = [&](const Vec3& model) -> Vec3 {
         return back * (renderer.map().to_device(model) - offset_);
@@ -257,13 +257,13 @@ DeviceCommand InputGuard::command(const HapticRenderer& renderer) noexcept
     command.force_scale = parts_of(renderer).guard().ramp();
     // With the guard's damping and softening, so that the device's own loop does not oscillate.
     const PassivityGuard& passivity = parts_of(renderer).passivity();
-    command.stiffness = passivity.softness() * options.force.stiffness;
-    command.damping = passivity.softness() * options.force.damping + passivity.added_damping();
+    command.stiffness = passivity.softness() * touched.stiffness;
+    command.damping = passivity.softness() * touched.damping + passivity.added_damping();
     // A sliding proxy sticks again at less friction than a sticking one begins to slide.
     const bool slides = tick.hold == Hold::sliding;
     const double restick = parts_of(renderer).proxy().options().restick;
-    command.static_friction = (slides ? restick : 1.0) * options.static_friction;
-    command.dynamic_friction = options.dynamic_friction;
+    command.static_friction = (slides ? restick : 1.0) * touched.static_friction;
+    command.dynamic_friction = touched.dynamic_friction;
     command.anchor = to_device(tick.anchor);
     if (tick.hold != Hold::free) {
         const SlideResult& slide = parts_of(renderer).proxy_tick().slide;

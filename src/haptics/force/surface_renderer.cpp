@@ -176,20 +176,44 @@ Vec3 SurfaceRenderer::surface_velocity(const ProxyTick& proxy) const noexcept
     return pressures > 0 ? Vec3(sum / (pressures * map_.units_per_metre)) : Vec3(Vec3::Zero());
 }
 
-/// Stiffness of the contacts, a mean by pressure.
-double SurfaceRenderer::mean_stiffness(const ProxyTick& proxy) const noexcept
+/// The spring and damper of one contact: its material's, as far as the device can take it.
+ForceOptions SurfaceRenderer::force_of(TriangleId triangle) const noexcept
 {
-    const double own = options_.force.stiffness;
+    ForceOptions own = options_.force;
     if (properties_ == nullptr) return own;
+    if (const auto material = properties_->material(triangle)) {
+        own.stiffness = material->stiffness;
+        own.damping = material->damping;
+        own = limited(own, device_);
+    }
+    return own;
+}
+
+/// Spring and damper of the contacts, a mean by pressure.
+ForceOptions SurfaceRenderer::mean_force(const ProxyTick& proxy) const noexcept
+{
+    if (properties_ == nullptr) return options_.force;
+    ForceOptions mean = options_.force;
     double pressures = 0;
     double stiffness = 0;
+    double damping = 0;
     for (const Contact& each : std::span(proxy.slide.contacts).first(proxy.slide.contact_count)) {
-        const auto material = properties_->material(each.triangle);
-        stiffness +=
-            each.pressure * (material ? std::min(material->stiffness, device_.max_stiffness) : own);
+        const ForceOptions own = force_of(each.triangle);
+        stiffness += each.pressure * own.stiffness;
+        damping += each.pressure * own.damping;
         pressures += each.pressure;
     }
-    return pressures > 0 ? stiffness / pressures : own;
+    if (!(pressures > 0)) return mean;
+    mean.stiffness = stiffness / pressures;
+    mean.damping = damping / pressures;
+    return mean;
+}
+
+SurfaceMaterial SurfaceRenderer::touched_material() const noexcept
+{
+    const ForceOptions force = mean_force(proxy_tick());
+    const Proxy::Friction friction = proxy_.friction_without_grip();
+    return {force.stiffness, force.damping, friction.fixed, friction.sliding};
 }
 
 /// Advances the texture under the proxy, if there is one.
@@ -201,7 +225,7 @@ void SurfaceRenderer::feel_texture(const ProxyTick& proxy, const Vec3& velocity,
     if (texture_.touches(proxy)) {
         const bool steady = guard_.ramp() >= 1 && tick_.fault == InputFault::none &&
                             tick_.condition == InputCondition::well;
-        textured_ = texture_.pass(proxy, {.stiffness = mean_stiffness(proxy),
+        textured_ = texture_.pass(proxy, {.stiffness = mean_force(proxy).stiffness,
                                           .position = tick_.position - ground_,
                                           .velocity = velocity,
                                           .ground = ground_,
@@ -215,7 +239,7 @@ void SurfaceRenderer::feel_texture(const ProxyTick& proxy, const Vec3& velocity,
     tick_.texture = Vec3::Zero();
     if (!textured_.acts) return;
     tick_.texture =
-        texture_force(proxy, velocity) - mean_stiffness(proxy) * textured_.groove * proxy.normal;
+        texture_force(proxy, velocity) - mean_force(proxy).stiffness * textured_.groove * proxy.normal;
 }
 
 /// What the texture adds along the surface.
@@ -241,29 +265,14 @@ Vec3 SurfaceRenderer::smooth_spring(const ProxyTick& proxy, const SpringContact&
 {
     if (properties_ == nullptr || !contact.touching)
         return spring_force(options_.force, contact, velocity);
-    ForceOptions mean = options_.force;
+    const ForceOptions mean = mean_force(proxy);
     Vec3 pushes = Vec3::Zero();    // N: with each contact's own stiffness
     Vec3 stretches = Vec3::Zero(); // m: their part of the stretch
-    double pressures = 0;
-    double stiffness = 0;
-    double damping = 0;
     for (const Contact& each : std::span(proxy.slide.contacts).first(proxy.slide.contact_count)) {
-        ForceOptions own = options_.force;
-        if (const auto material = properties_->material(each.triangle)) {
-            own.stiffness = material->stiffness;
-            own.damping = material->damping;
-            own = limited(own, device_);
-        }
         const Vec3 pressed = each.pressure / map_.units_per_metre * each.normal;
-        pushes += own.stiffness * pressed;
+        pushes += force_of(each.triangle).stiffness * pressed;
         stretches += pressed;
-        stiffness += each.pressure * own.stiffness;
-        damping += each.pressure * own.damping;
-        pressures += each.pressure;
     }
-    if (!(pressures > 0)) return spring_force(options_.force, contact, velocity);
-    mean.stiffness = stiffness / pressures;
-    mean.damping = damping / pressures;
     return spring_force(mean, contact, velocity) + (pushes - mean.stiffness * stretches);
 }
 
@@ -306,11 +315,9 @@ ContactForce SurfaceRenderer::contact_force(const ProxyTick& proxy, const Vec3& 
         const auto contacts = std::span(proxy.slide.contacts).first(proxy.slide.contact_count);
         if (!contacts.empty()) stiffness = damping = 0;
         for (const Contact& each : contacts) {
-            const auto material = properties_->material(each.triangle);
-            stiffness =
-                std::max(stiffness, material ? std::min(material->stiffness, device_.max_stiffness)
-                                             : options_.force.stiffness);
-            damping = std::max(damping, material ? material->damping : options_.force.damping);
+            const ForceOptions own = force_of(each.triangle);
+            stiffness = std::max(stiffness, own.stiffness);
+            damping = std::max(damping, own.damping);
         }
     }
     return {elastic, whole, stiffness, damping, textured_.pull};

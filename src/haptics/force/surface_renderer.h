@@ -72,6 +72,10 @@ public:
 
     [[nodiscard]] const RenderTick& last() const noexcept { return tick_; }
 
+    /// Of the last tick's contacts, means by pressure: materials as far as the device can take them, or
+    /// the options' numbers where a surface has no material and where nothing is touched.
+    [[nodiscard]] SurfaceMaterial touched_material() const noexcept;
+
     /// Whether penalty forces pushed against the side of the tick before.
     [[nodiscard]] bool popped() const noexcept { return probe_ && probe_->popped(); }
 
@@ -111,7 +115,8 @@ private:
     void start_anew() noexcept;
     void leave_ground() noexcept;
     [[nodiscard]] Vec3 surface_velocity(const ProxyTick& proxy) const noexcept;
-    [[nodiscard]] double mean_stiffness(const ProxyTick& proxy) const noexcept;
+    [[nodiscard]] ForceOptions force_of(TriangleId triangle) const noexcept;
+    [[nodiscard]] ForceOptions mean_force(const ProxyTick& proxy) const noexcept;
     void feel_texture(const ProxyTick& proxy, const Vec3& velocity, double seconds) noexcept;
     [[nodiscard]] Vec3 texture_force(const ProxyTick& proxy, const Vec3& velocity) const noexcept;
     [[nodiscard]] Vec3 tap_force(const ProxyTick& proxy, const Vec3& force) noexcept;

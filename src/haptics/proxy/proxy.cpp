@@ -42,16 +42,16 @@ bool Proxy::find_free(const Vec3& p) noexcept
     return tick_.is_placed;
 }
 
-Proxy::Friction Proxy::friction_of(const SlideResult& slide) const noexcept
+Proxy::Friction Proxy::friction_of(const SlideResult& slide, double grip) const noexcept
 {
-    const Friction own = {grip_ * options_.static_friction, grip_ * options_.dynamic_friction};
+    const Friction own = {grip * options_.static_friction, grip * options_.dynamic_friction};
     if (options_.properties == nullptr) return own;
     Friction sum;
     double pressures = 0;
     for (const Contact& contact : std::span(slide.contacts).first(slide.contact_count)) {
         Friction friction = own;
         if (const auto material = options_.properties->material(contact.triangle))
-            friction = {grip_ * material->static_friction, grip_ * material->dynamic_friction};
+            friction = {grip * material->static_friction, grip * material->dynamic_friction};
         sum.fixed += contact.pressure * friction.fixed;
         sum.sliding += contact.pressure * friction.sliding;
         pressures += contact.pressure;
@@ -114,12 +114,12 @@ SlideResult Proxy::slide_without_friction(const Vec3& p) noexcept
         const double apart = (slide.center - start).norm();
         const double leaning = options_.shading == ForceShading::on ? 2 : 0;
         if (slide.contact_count > 0 && depth > 0 &&
-            apart <= (2 * options_.static_friction + leaning) * depth) {
+            apart <= (2 * friction_of(slide, 1).fixed + leaning) * depth) {
             scratch_.begin_path(start);
             return slide;
         }
         SlideResult held = pull_sphere(surface_, options_.radius, start, p, scratch_);
-        if (held.contact_count > 0 && friction_of(held).fixed > 0) {
+        if (held.contact_count > 0 && friction_of(held, grip_).fixed > 0) {
             scratch_.begin_path(start);
             held.center = start;
             held.moves = slide.moves;
@@ -197,7 +197,7 @@ const ProxyTick& Proxy::follow(const Vec3& p) noexcept
     const std::size_t met = before == Hold::free ? slide.first_contact : 0;
     const Vec3 lean = lean_towards(p, next);
     next.anchor += lean;
-    const Friction friction = friction_of(slide);
+    const Friction friction = friction_of(slide, grip_);
     if (friction.fixed > 0) {
         hold_back(p + lean, friction, met, before, next);
     } else if (scratch_.path().back() != next.proxy) {

@@ -94,6 +94,16 @@ public:
 
     [[nodiscard]] const ProxyTick& last() const noexcept { return tick_; }
 
+    struct Friction {
+        double fixed = 0;
+        double sliding = 0;
+    };
+    /// At the last tick's contacts, a mean by pressure, as if set_grip() had given 1.
+    [[nodiscard]] Friction friction_without_grip() const noexcept
+    {
+        return friction_of(tick_.slide, 1);
+    }
+
     /// The centre's positions in the last tick, with straight moves between them.
     [[nodiscard]] std::span<const Vec3> path() const noexcept
     {
@@ -107,12 +117,7 @@ public:
     }
 
 private:
-    struct Friction {
-        double fixed = 0;
-        double sliding = 0;
-    };
-
-    [[nodiscard]] Friction friction_of(const SlideResult& slide) const noexcept;
+    [[nodiscard]] Friction friction_of(const SlideResult& slide, double grip) const noexcept;
     [[nodiscard]] Vec3 shading_of(const SlideResult& slide, const Vec3& normal,
                                   double depth) const noexcept;
     [[nodiscard]] bool find_free(const Vec3& p) noexcept;

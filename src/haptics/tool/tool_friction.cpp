@@ -88,7 +88,8 @@ Hold ToolFriction::hold_of(const FrictionalMotion& found) const noexcept
         friction += size;
         slides = slides || (size >= near_limit * frictions_[k].limit && slip > options_.least_slip);
     }
-    if (slides) return Hold::sliding;
+    const bool has_friction = used_.count == 0 || most_friction_ > 0;
+    if (slides || !has_friction) return Hold::sliding;
     const bool sticks_again = friction <= options_.restick * most_friction_;
     return hold_ == Hold::sliding && !sticks_again ? Hold::sliding : Hold::sticking;
 }

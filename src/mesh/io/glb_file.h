@@ -22,6 +22,7 @@ struct GlbPart {
     std::string name;
     Mode mode = Mode::triangles;
     std::array<double, 3> colour{}; ///< red, green, blue in [0, 1]
+    double opacity = 1;             ///< in [0, 1]
     std::vector<std::array<float, 3>> points;
     std::vector<std::uint32_t> indices;
     std::array<float, 3> lower{};

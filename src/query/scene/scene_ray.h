@@ -28,7 +28,8 @@ public:
         const double distance = ray.origin.cwiseAbs().maxCoeff();
         const double reach = distance + scene.reach;
         const double error = 4 * scene_roundoff * reach;
-        is_ordinary_ = size > least_size && size < most_size && reach < most_size;
+        is_ordinary_ = size > least_size && size < most_size && reach < most_size &&
+                       (reach + size) * tree.scale() < most_in_frame;
         suits_floats_ = is_ordinary_ && error * tree.scale() <= scene_tree_margin;
         for (int axis = 0; axis < 3; ++axis) {
             double along = ray.direction[axis];
@@ -104,6 +105,7 @@ private:
     // Products and quotients of what is between stay finite.
     static constexpr double least_size = 0x1p-400;
     static constexpr double most_size = 0x1p400;
+    static constexpr double most_in_frame = 0x1p900;
     static constexpr double smallest_part = 0x1p-70;
 
     template <class Visit>

@@ -57,6 +57,18 @@ int dhdGetLinearVelocity(double* x, double* y, double* z, char)
     *z = hand.speed[2];
     return 0;
 }
+bool dhdHasWrist(char)
+{
+    return stub_state.wrist != stub::never;
+}
+int dhdGetOrientationFrame(double frame[3][3], char)
+{
+    if (!is_open || stub::unplugged(stub_state)) return -1;
+    for (int row = 0; row < 3; ++row)
+        for (int column = 0; column < 3; ++column)
+            frame[row][column] = stub::turned(stub_state, row, column);
+    return 0;
+}
 int dhdSetForce(double x, double y, double z, char)
 {
     if (!is_open) ++stub_state.forces_outside;

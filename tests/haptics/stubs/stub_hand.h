@@ -33,6 +33,8 @@ struct State {
     long fail_start = never;  ///< likewise: the scheduler does not start
     long press = never;       ///< button 1, for 100 ticks
     long unknown = never;     ///< anything but never: the model has another name
+    long wrist = never;       ///< likewise: a model that is polled reports how it is turned
+    long turn = never;        ///< from this tick on it is turned about z, by a right angle
     // A hand that moves the device slowly, then fast, and lets go: a device with these numbers.
     long release = never; ///< the tick; the fast motion takes the 500 ticks before it
     long friction = 200;  ///< mN
@@ -77,6 +79,8 @@ inline void read_environment(State& state)
         if (name == "fail_enable") state.fail_enable = tick;
         if (name == "press") state.press = tick;
         if (name == "unknown") state.unknown = tick;
+        if (name == "wrist") state.wrist = tick;
+        if (name == "turn") state.turn = tick;
         if (name == "release") state.release = tick;
         if (name == "friction") state.friction = tick;
         if (name == "damping") state.damping = tick;
@@ -142,6 +146,14 @@ inline double said(const Hand& hand, const State& state, int axis)
         return std::round(hand.place[axis] / step) * step;
     const double away = state.ticks >= state.jump && axis == 0 ? 1.0 : 0.0;
     return frozen[axis] + away;
+}
+
+/// An element of the rotation from the device's end to its base.
+inline double turned(const State& state, int row, int column)
+{
+    constexpr double quarter[3][3] = {{0, -1, 0}, {1, 0, 0}, {0, 0, 1}};
+    if (state.ticks >= state.turn) return quarter[row][column];
+    return row == column ? 1 : 0;
 }
 
 inline void take_force(Hand& hand, State& state, const double* force, double most)

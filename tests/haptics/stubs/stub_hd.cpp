@@ -123,7 +123,11 @@ void hdGetDoublev(unsigned int what, double* value)
     case 0x2052: // the transform, column after column, mm
         if (!in_frame) error = frame_error;
         for (int i = 0; i < 16; ++i) value[i] = i % 5 == 0 ? 1 : 0;
-        for (int i = 0; i < 3; ++i) value[12 + i] = 1e3 * stub::said(hand, stub_state, i);
+        for (int column = 0; column < 3; ++column) {
+            for (int row = 0; row < 3; ++row)
+                value[4 * column + row] = stub::turned(stub_state, row, column);
+            value[12 + column] = 1e3 * stub::said(hand, stub_state, column);
+        }
         break;
     case 0x2051:
         for (int i = 0; i < 3; ++i) value[i] = 1e3 * hand.speed[i];

@@ -56,6 +56,62 @@ TEST(ToolRenderer, DevicesWithoutTorquesGetTheForceAlone)
     }
 }
 
+TEST(ToolRenderer, AModelInMillimetresFeelsAsInMetres)
+{
+    ToolRenderOptions options = plain_springs();
+    options.torsional_stiffness = 0; // of the tool's reach
+    ToolRenderer expected = renderer_for(strong_device(), options);
+    const auto in_millimetres = [](const TriangleMesh& mesh) {
+        return index_of(moved(mesh, [](const Vec3& p) { return Vec3(1000 * p); }));
+    };
+    const WorkspaceMap map{1000, Vec3(10, 20, 30)};
+    const ToolObject table = {in_millimetres(box_mesh({0.1, 0.1, 0.05}, {0, 0, -0.05})),
+                              pose_at(map.center)};
+    ToolRenderer renderer = make_tool_renderer(in_millimetres(box_mesh(Vec3::Constant(half))),
+                                               std::span(&table, 1), map, strong_device(), options)
+                                .value();
+    // At half the reach, which is half the diagonal of the box.
+    const double arm = 0.5 * std::sqrt(3.0) * half;
+    EXPECT_NEAR(expected.options().torsional_stiffness, 500 * arm * arm, 1e-12);
+    EXPECT_NEAR(renderer.options().torsional_stiffness, 500 * arm * arm, 1e-12);
+    for (int i = 0; i <= 400; ++i) {
+        const DeviceState state = state_at(pose_at({0, 0, 0.02 - 3e-5 * i}, {0, 5e-4 * i, 0}));
+        const ToolTick& should = expected.tick(state, 1e-3);
+        const ToolTick& is = renderer.tick(state, 1e-3);
+        ASSERT_LT((is.force - should.force).norm(), 1e-3) << i;
+        ASSERT_LT((is.torque - should.torque).norm(), 1e-5) << i;
+        double pushes = 0; // without friction, of a plane
+        for (std::size_t k = 0; k < is.contact_count; ++k) pushes += is.contacts[k].force;
+        EXPECT_NEAR(pushes, is.force.z(), 1e-2) << i;
+    }
+    EXPECT_GT(renderer.last().force.z(), 0.5);
+    EXPECT_GT(renderer.last().torque.norm(), 1e-3);
+}
+
+/// A box on a table, pressed down by 4 mm and tilted by less than its edge could bear: it lies flat.
+TEST(ToolRenderer, CommandsAreInTheAxesOfTheDevice)
+{
+    // Our y is the device's -z, and our z its y.
+    Mat3 turn;
+    turn << 1, 0, 0, 0, 0, -1, 0, 1, 0;
+    constexpr double tilt = 0.02;
+    ToolRenderer renderer = renderer_for(strong_device(), plain_springs());
+    DeviceInput input = make_device_input({}, {.rotation = turn}).value();
+    DeviceReading reading;
+    DeviceCommand command;
+    for (int i = 0; i < 200; ++i) {
+        const Vec3 position(0.001, 0.002, std::max(0.02 - 2e-4 * i, half - 0.004));
+        const RigidTransform ours = pose_at(position, {0, tilt, 0});
+        ++reading.sample;
+        reading.state.pose = {turn.transpose() * ours.rotation, turn.transpose() * position};
+        renderer.tick(input.accept(reading), 1e-3);
+        command = input.command(renderer);
+    }
+    EXPECT_NEAR(renderer.last().torque.y(), -0.5 * tilt, 1e-5);
+    EXPECT_LT((command.torque - Vec3(0, 0, 0.5 * tilt)).norm(), 1e-5);
+    EXPECT_LT((command.force - Vec3(0, 500 * (0.004 + 1e-5), 0)).norm(), 1e-4);
+}
+
 /// The bottom of a box as so many squares a side.
 MeshIndex dense_face(std::uint32_t side)
 {

@@ -95,6 +95,25 @@ TEST(ToolInScene, AnObjectThatRisesPushesTheTool)
     }
 }
 
+TEST(ToolInScene, AToolOnAFrictionlessObjectSlidesWhateverElseThereIs)
+{
+    const SurfaceMaterial ice = {
+        .stiffness = 500, .damping = 0, .static_friction = 0, .dynamic_friction = 0};
+    const SurfaceMaterial rubber = {
+        .stiffness = 500, .damping = 0, .static_friction = 0.8, .dynamic_friction = 0.8};
+    for (const bool is_alone : {true, false}) {
+        SceneBench bench(box_mesh(Vec3::Constant(half)));
+        bench.add(box_mesh({0.1, 0.1, 0.01}), pose_at({0, 0, -0.01}), ice);
+        if (!is_alone) bench.add(box_mesh({0.1, 0.1, 0.01}), pose_at({0.5, 0, -0.01}), rubber);
+        bench.start(pose_at({0, 0, half + 0.001}));
+        EXPECT_EQ(bench.rest(pose_at({0, 0, half - 0.001}), 20).hold, Hold::sliding);
+        if (is_alone) continue;
+        bench.rest(pose_at({0, 0, half + 0.001}), 20);
+        bench.rest(pose_at({0.5, 0, half + 0.001}), 20);
+        EXPECT_EQ(bench.rest(pose_at({0.5, 0, half - 0.001}), 20).hold, Hold::sticking);
+    }
+}
+
 /// Nothing changes between a tool and what it rests on while device and object move alike.
 TEST(ToolInScene, AnObjectThatMovesWithTheDeviceFeelsLikeOneAtRest)
 {
@@ -510,6 +529,43 @@ TEST(ToolAmongMovingObjects, PassesNothing)
     EXPECT_GT(touches, 500);
     // Nothing squeezes the tool then: it gives way in time.
     EXPECT_LT(behind, alone / 20);
+}
+
+/// What the passivity guard saw of a tool that shakes on a table that rises, in a model of so many units
+/// to a metre, in 2.5 s.
+SwingReport watched_on_a_lift(double units)
+{
+    const auto scaled = [&](const TriangleMesh& mesh) {
+        return moved(mesh, [&](const Vec3& p) { return Vec3(units * p); });
+    };
+    ToolRenderOptions options = plain_springs();
+    options.guard = Guard::observe;
+    TouchScene scene(Box{Vec3::Constant(-units), Vec3::Constant(units)});
+    const ObjectId lift = scene.add(build_touch_body(scaled(table())).value(), {}).value();
+    ToolRenderer renderer =
+        make_tool_renderer(index_of(scaled(box_mesh(Vec3::Constant(half)))), scene,
+                           WorkspaceMap{units, Vec3::Zero()}, *find_device("delta"), options)
+            .value();
+    for (int i = 0; i < 2500; ++i) {
+        const double height = 1e-4 * i;
+        const double growing = std::min(1e-4 * std::exp(0.01 * (i - 1000)), 0.002);
+        const double shaken = i < 1000 ? 0 : growing * std::sin(0.25 * i);
+        EXPECT_TRUE(scene.move(lift, {.pose = pose_at({0, 0, units * height}), .seconds = 1e-3}));
+        DeviceState state;
+        state.pose = pose_at({0, 0, (i == 0 ? 0.0105 : 0.007) + height + shaken});
+        renderer.tick(state, tick_seconds);
+    }
+    return guard_of(renderer).passivity().report();
+}
+
+TEST(ToolInScene, TheGuardJudgesTheMotionInMetresWhateverTheUnits)
+{
+    const SwingReport in_metres = watched_on_a_lift(1);
+    const SwingReport in_millimetres = watched_on_a_lift(1000);
+    EXPECT_GT(in_metres.swings, 0U);
+    EXPECT_EQ(in_millimetres.swings, in_metres.swings);
+    EXPECT_NEAR(in_millimetres.most_given, in_metres.most_given, 1e-3 * in_metres.most_given);
+    EXPECT_NEAR(in_millimetres.most_damping, in_metres.most_damping, 1e-3 * in_metres.most_damping);
 }
 
 } // namespace

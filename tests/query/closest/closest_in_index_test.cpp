@@ -286,12 +286,14 @@ TEST(ClosestInIndex, HasTheSameAnswersOnEveryInstructionSetWithoutAllocating)
 /// A batch's answers by columns.
 struct Columns {
     explicit Columns(std::size_t size)
-        : distances(size), points(size), kinds(size), ids(size), barycentrics(size), triangles(size)
+        : squared(size), distances(size), points(size), kinds(size), ids(size), barycentrics(size),
+          triangles(size)
     {}
 
     [[nodiscard]] ClosestOutputs outputs()
     {
-        return {.triangles = triangles,
+        return {.squared_distances = squared,
+                .triangles = triangles,
                 .distances = distances,
                 .points = points,
                 .feature_kinds = kinds,
@@ -301,6 +303,7 @@ struct Columns {
 
     void expect_same(std::size_t i, const ClosestFeature& truth) const
     {
+        EXPECT_EQ(squared[i], truth.squared_distance);
         EXPECT_EQ(distances[i], std::sqrt(truth.squared_distance));
         EXPECT_EQ(points[i], truth.point);
         EXPECT_EQ(kinds[i], truth.feature.kind);
@@ -309,6 +312,7 @@ struct Columns {
         EXPECT_EQ(triangles[i], truth.triangle);
     }
 
+    std::vector<double> squared;
     std::vector<double> distances;
     std::vector<Vec3> points;
     std::vector<FeatureKind> kinds;
@@ -326,25 +330,17 @@ TEST(ClosestInIndex, BatchesAnswerLikeSingleQueries)
         points.insert(points.end(), 20, points[4]);
         for (const double far : {1e3, 1e20, 1e155}) points.emplace_back(far * Vec3(1, -1, 0.5));
         std::vector<ClosestFeature> answers(points.size());
-        std::vector<double> distances(points.size());
-        std::vector<TriangleId> triangles(points.size());
         Columns columns(points.size());
         for (const SimdTarget& target : simd_targets()) {
             SCOPED_TRACE(target.name);
             force_simd_target(target);
             for (const BatchOrder order : {BatchOrder::as_given, BatchOrder::sorted}) {
-                const auto status = closest_features(
-                    index, points,
-                    {.answers = answers, .squared_distances = distances, .triangles = triangles},
-                    {.order = order});
-                ASSERT_TRUE(status);
+                ASSERT_TRUE(closest_features(index, points, {.answers = answers}, {.order = order}));
                 ASSERT_TRUE(closest_features(index, points, columns.outputs(), {.order = order}));
                 for (std::size_t i = 0; i < points.size(); ++i) {
                     const ClosestFeature truth = closest_feature(index, points[i]).value();
                     expect_same(answers[i], truth);
                     columns.expect_same(i, truth);
-                    EXPECT_EQ(distances[i], truth.squared_distance);
-                    EXPECT_EQ(triangles[i], truth.triangle);
                 }
             }
         }
@@ -379,11 +375,21 @@ TEST(ClosestInIndex, BatchesHaveTheSameAnswersForEveryNumberOfThreads)
     std::vector<ClosestFeature> first(points.size());
     ASSERT_TRUE(
         closest_features(index, points, {.answers = first}, {.execution = {.threads = {1}}}));
-    for (const int threads : {2, 3, 7}) {
+    for (const int threads : {1, 2, 3, 7}) {
+        // More than what a thread takes at a time, of each column.
+        Columns columns(points.size());
         std::vector<ClosestFeature> answers(points.size());
-        ASSERT_TRUE(closest_features(index, points, {.answers = answers},
-                                     {.execution = {.threads = {threads}}}));
-        for (std::size_t i = 0; i < points.size(); ++i) expect_same(answers[i], first[i]);
+        ClosestOutputs outputs = columns.outputs();
+        outputs.answers = answers;
+        for (const BatchOrder order : {BatchOrder::as_given, BatchOrder::sorted}) {
+            ASSERT_TRUE(
+                closest_features(index, points, outputs,
+                                 {.order = order, .execution = {.threads = {threads}}}));
+            for (std::size_t i = 0; i < points.size(); ++i) {
+                expect_same(answers[i], first[i]);
+                columns.expect_same(i, first[i]);
+            }
+        }
     }
 }
 
@@ -392,9 +398,18 @@ TEST(ClosestInIndex, BatchesReportErrors)
     const MeshIndex index = build_mesh_index(sample_mesh("cube").value()).value();
     std::vector<Vec3> points(5000, Vec3(1, 2, 3));
     std::vector<double> distances(points.size());
-    std::vector<TriangleId> few(7);
-    EXPECT_EQ(closest_features(index, points, {.triangles = few}).error().code,
-              ErrorCode::invalid_argument);
+    std::vector<ClosestFeature> few_answers(7);
+    Columns few(7);
+    for (const ClosestOutputs& outputs :
+         {ClosestOutputs{.answers = few_answers}, ClosestOutputs{.squared_distances = few.squared},
+          ClosestOutputs{.triangles = few.triangles}, ClosestOutputs{.distances = few.distances},
+          ClosestOutputs{.points = few.points}, ClosestOutputs{.feature_kinds = few.kinds},
+          ClosestOutputs{.feature_ids = few.ids},
+          ClosestOutputs{.barycentrics = few.barycentrics}}) {
+        const Status status = closest_features(index, points, outputs);
+        ASSERT_FALSE(status);
+        EXPECT_EQ(status.error().code, ErrorCode::invalid_argument);
+    }
     EXPECT_TRUE(closest_features(index, points, {}));
     EXPECT_TRUE(closest_features(index, {}, {}));
     points[4500][1] = std::numeric_limits<double>::quiet_NaN();

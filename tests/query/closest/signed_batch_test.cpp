@@ -72,6 +72,12 @@ TEST(SignedDistances, ReportErrors)
     EXPECT_NE(without.error().message.find("with_signs"), std::string::npos);
     EXPECT_EQ(signed_distances(index, points, {.distances = distances}).error().code,
               ErrorCode::invalid_argument);
+    std::vector<SignMethod> methods(11);
+    EXPECT_EQ(signed_distances(index, points, {.methods = methods}).error().code,
+              ErrorCode::invalid_argument);
+    std::vector<SignedDistance> answers(9);
+    EXPECT_EQ(signed_distances(index, points, {.answers = answers}).error().code,
+              ErrorCode::invalid_argument);
     distances.resize(10);
     EXPECT_TRUE(signed_distances(index, points, {.distances = distances}));
     EXPECT_EQ(distances[7], 2.0);

@@ -99,6 +99,7 @@ TEST(Containment, UsesAMethodThatFitsTheMesh)
     const ContainmentAnswer apart = ask(open, ball(1), shifted(Vec3(4, 0, 0)));
     EXPECT_EQ(apart.containment, none);
     EXPECT_EQ(apart.method, InsideMethod::winding_number); // the less certain of the two
+    EXPECT_EQ(ask(ball(1), open, shifted(Vec3(4, 0, 0))).method, InsideMethod::winding_number);
 
     // Every triangle with vertices of its own: still closed.
     positions.clear();

@@ -370,6 +370,17 @@ TEST(IntersectMeshes, StopsWhereTheVisitorSaysSo)
     });
     EXPECT_EQ(calls, 1U);
     EXPECT_GT(intersecting_pairs(index, index, pose).size(), 256U); // more than one call's
+    // Also so far away that every pair is tested.
+    const auto away = [](const Vec3& p) { return Vec3(p + 1e5 * Vec3(3e7, -5e8, 2e9)); };
+    const MeshIndex far = index_of(moved(torus_mesh(1.0, 0.4, 24, 16), away));
+    calls = 0;
+    visit_intersecting_pairs(far, far, {}, [&](std::span<const TrianglePair> pairs) {
+        EXPECT_FALSE(pairs.empty());
+        ++calls;
+        return Flow::stop;
+    });
+    EXPECT_EQ(calls, 1U);
+    EXPECT_GT(intersecting_pairs(far, far, RigidTransform{}).size(), 1U);
 }
 
 TEST(IntersectMeshes, StopsWhereTheVisitorSaysSoThoughNoneMeet)

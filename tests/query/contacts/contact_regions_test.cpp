@@ -495,6 +495,11 @@ TEST(ContactRegions, OfATouchHaveNoDepth)
     EXPECT_NEAR((region.points[0].on_a - Vec3(0, 0, 1)).norm(), 0, 1e-15);
     EXPECT_NEAR((region.position - Vec3(0, 0, 1)).norm(), 0, 1e-15);
     EXPECT_GT(region.normal.z(), 0.5);
+    for (const Vec3& side : {Vec3(1, 0, 0), Vec3(0, -1, 0), Vec3(0, 0, -1)}) {
+        const ContactRegions other = regions_of(cube, corners, placed(2 * side));
+        ASSERT_EQ(other.regions.size(), 1U);
+        EXPECT_GT(other.regions.front().normal.dot(side), 0.5);
+    }
     const ContactRegions faces = regions_of(cube, cube, placed(Vec3(2, 0.5, 0)));
     ASSERT_EQ(faces.regions.size(), 1U);
     EXPECT_LT(faces.regions[0].depth, 1e-12);

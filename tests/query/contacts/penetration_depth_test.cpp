@@ -238,6 +238,8 @@ TEST(PenetrationDepth, RefusesPosesThatAreNoneAndSearchesTooLarge)
     EXPECT_EQ(penetration_depth(cube, cube, large).error().code, ErrorCode::invalid_argument);
     EXPECT_EQ(penetration_depth(cube, cube, {}, {.max_directions = 1'000'001}).error().code,
               ErrorCode::limit_exceeded);
+    EXPECT_EQ(penetration_depth(cube, cube, {}, {.max_points = 1'000'001}).error().code,
+              ErrorCode::limit_exceeded);
 }
 
 TEST(PenetrationDepth, OfBallsIsThatOfSpheresButForTheirFaces)

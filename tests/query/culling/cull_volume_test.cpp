@@ -106,6 +106,20 @@ TEST(CullVolume, AgreesWithBruteForce)
     EXPECT_GT(seen.conservative_only, 100U);
 }
 
+TEST(CullVolume, AgreesWithBruteForceOnALargeMesh)
+{
+    const TriangleMesh mesh = torus_mesh(1.0, 0.4, 300, 200); // more triangles than 16 bits count
+    const MeshIndex index = index_of(mesh);
+    VolumeGenerator generate(mesh.positions(), 31);
+    Seen seen;
+    for (int i = 0; i < 10; ++i) {
+        SCOPED_TRACE(i);
+        expect_truth(mesh, index, generate(), seen);
+        if (HasFatalFailure()) return;
+    }
+    EXPECT_GT(seen.something, 3U);
+}
+
 TEST(CullVolume, AgreesWithBruteForceOnNastyMeshes)
 {
     Seen seen;

@@ -375,9 +375,29 @@ TEST(MeshDeviation, ScalesWithMeshesOfAnySize)
     const TriangleMesh a = sample_mesh("icosphere:1").value();
     const TriangleMesh b = cube_mesh(Vec3(0.1, 0, 0), 0.75);
     const GreatestDeviation usual = greatest_of(a, b);
-    const MeanDeviation usual_mean = mean_of(a, b, {.tolerance = 1e-3});
+    const auto places_of = [](const TriangleMesh& from, const TriangleMesh& to, int exponent) {
+        return greatest_of(from, to,
+                           {.tolerance = std::ldexp(0x1p-7, exponent),
+                            .max_places = 8,
+                            .place_spacing = std::ldexp(0.25, exponent)});
+    };
+    const auto mean_at = [](const TriangleMesh& from, const TriangleMesh& to, int exponent) {
+        return mean_of(from, to,
+                       {.tolerance = std::ldexp(1e-3, exponent),
+                        .histogram_bins = 8,
+                        .histogram_end = std::ldexp(0.5, exponent)});
+    };
+    const GreatestDeviation usual_places = places_of(a, b, 0);
+    EXPECT_GT(usual_places.places.size(), 1U);
+    EXPECT_LT(usual_places.places.size(), 8U);
+    EXPECT_NE(usual_places.distance.upper, usual.distance.upper); // by the tolerance
+    const MeanDeviation usual_mean = mean_at(a, b, 0);
     for (const int exponent : {-660, -100, 100, 530, 1000}) {
         SCOPED_TRACE(exponent);
+        const auto back = [&](const Vec3& p) {
+            return Vec3(std::ldexp(p.x(), -exponent), std::ldexp(p.y(), -exponent),
+                        std::ldexp(p.z(), -exponent));
+        };
         const auto scaled = [&](const TriangleMesh& mesh) {
             return moved(mesh, [&](const Vec3& p) {
                 return Vec3(std::ldexp(p.x(), exponent), std::ldexp(p.y(), exponent),
@@ -387,9 +407,19 @@ TEST(MeshDeviation, ScalesWithMeshesOfAnySize)
         const GreatestDeviation other = greatest_of(scaled(a), scaled(b));
         EXPECT_EQ(std::ldexp(other.distance.lower, -exponent), usual.distance.lower);
         EXPECT_EQ(std::ldexp(other.distance.upper, -exponent), usual.distance.upper);
-        EXPECT_EQ(std::ldexp(other.point_a.x(), -exponent), usual.point_a.x());
-        const MeanDeviation mean =
-            mean_of(scaled(a), scaled(b), {.tolerance = std::ldexp(1e-3, exponent)});
+        EXPECT_EQ(back(other.point_a), usual.point_a);
+        EXPECT_EQ(back(other.point_b), usual.point_b);
+        const GreatestDeviation places = places_of(scaled(a), scaled(b), exponent);
+        EXPECT_EQ(std::ldexp(places.distance.upper, -exponent), usual_places.distance.upper);
+        ASSERT_EQ(places.places.size(), usual_places.places.size());
+        for (std::size_t i = 0; i < places.places.size(); ++i) {
+            const FarPlace& place = places.places[i];
+            EXPECT_EQ(std::ldexp(place.distance, -exponent), usual_places.places[i].distance);
+            EXPECT_EQ(back(place.point_a), usual_places.places[i].point_a);
+            EXPECT_EQ(back(place.point_b), usual_places.places[i].point_b);
+        }
+        const MeanDeviation mean = mean_at(scaled(a), scaled(b), exponent);
+        EXPECT_EQ(mean.histogram, usual_mean.histogram);
         EXPECT_EQ(std::ldexp(mean.mean.lower, -exponent), usual_mean.mean.lower);
         EXPECT_EQ(std::ldexp(mean.mean.upper, -exponent), usual_mean.mean.upper);
         EXPECT_EQ(std::ldexp(mean.root_mean_square.upper, -exponent),

@@ -360,6 +360,14 @@ TEST(DistanceField, RefusesBadArguments)
     refused(of.index, good, 0, "band");
     refused(of.index, good, NAN, "band");
     refused(of.index, {.size = {2, 2, 3}}, 1, "12 points");
+    std::vector<Vec3> gradients(7);
+    std::vector<SignMethod> methods(9);
+    for (const FieldOutputs& outputs :
+         {FieldOutputs{.gradients = gradients}, FieldOutputs{.methods = methods}}) {
+        const Status status = distance_field(of.index, good, outputs, {.band = 1});
+        ASSERT_FALSE(status);
+        EXPECT_NE(status.error().message.find("8 points"), std::string::npos);
+    }
     EXPECT_TRUE(distance_field(of.index, good, {}));
 }
 

@@ -361,7 +361,7 @@ TEST(CastRay, KeepsTheFirstOfManyHits)
             EXPECT_EQ(hits[i], truth[i]);
     }
     // A visitor may stop early, also where every triangle is tested for a ray from far away.
-    for (const Ray& from : {ray, Ray{Vec3(0.25, 0.25, -0x1p60), Vec3::UnitZ()}}) {
+    for (const Ray& from : {ray, Ray{Vec3(0.25, 0.25, -0x1p90), Vec3::UnitZ()}}) {
         std::size_t calls = 0;
         visit_hits(index, from, Faces::both,
                    [&](const RayHit& /*hit*/) { return ++calls < 3 ? Flow::proceed : Flow::stop; });
@@ -376,7 +376,10 @@ TEST(CastRay, ReportsWhichRayOfABatchIsInvalid)
     // More than a chunk of them, that look alike.
     std::vector<Ray> rays(5000, Ray{Vec3(-5, 0, 0), Vec3::UnitX()});
     std::vector<std::optional<RayHit>> hits(rays.size());
+    const auto any_memory = std::make_unique<bool[]>(rays.size());
+    const std::span<bool> any_of_all(any_memory.get(), rays.size());
     ASSERT_TRUE(closest_hits(index, rays, hits));
+    ASSERT_TRUE(any_hits(index, rays, any_of_all));
     const double nan = std::numeric_limits<double>::quiet_NaN();
     for (const Ray& bad :
          {Ray{Vec3::Zero(), Vec3::Zero()}, Ray{Vec3::Zero(), Vec3(nan, 0, 1)},
@@ -393,16 +396,54 @@ TEST(CastRay, ReportsWhichRayOfABatchIsInvalid)
                     closest_hits(index, rays, hits, {.execution = {.threads = {threads}}});
                 ASSERT_FALSE(status);
                 EXPECT_EQ(status.error().code, ErrorCode::invalid_argument);
-                EXPECT_NE(status.error().message.find(concat("ray ", number, " is none")),
-                          std::string::npos)
+                const std::string says = concat("ray ", number, " is none");
+                EXPECT_NE(status.error().message.find(says), std::string::npos)
                     << status.error().message;
+                const Status any =
+                    any_hits(index, rays, any_of_all, {.execution = {.threads = {threads}}});
+                ASSERT_FALSE(any);
+                EXPECT_EQ(any.error().message, status.error().message);
+                const auto lists =
+                    all_hits(index, rays, {.execution = {.threads = {threads}}});
+                ASSERT_FALSE(lists);
+                EXPECT_EQ(lists.error().message, status.error().message);
             }
         }
         for (const std::size_t number : {4700U, 2500U, 7U}) rays[number] = rays[0];
     }
     hits.pop_back();
-    EXPECT_FALSE(closest_hits(index, std::span(rays).first(3), hits));
+    for (const std::size_t count : {3U, 5000U}) {
+        const std::span<const Ray> some = std::span(rays).first(count);
+        EXPECT_EQ(closest_hits(index, some, hits).error().code, ErrorCode::invalid_argument);
+        EXPECT_EQ(any_hits(index, some, any_of_all.first(4999)).error().code,
+                  ErrorCode::invalid_argument);
+    }
     EXPECT_FALSE(closest_hit(MeshIndex(), Ray{}));
+}
+
+TEST(CastRay, BatchesThatAreCancelledSaySo)
+{
+    const MeshIndex index = ray_index_of(cube_mesh(Vec3::Zero(), 1.0));
+    const std::vector<Ray> rays(5000, Ray{Vec3(-5, 0, 0), Vec3::UnitX()});
+    std::vector<std::optional<RayHit>> hits(rays.size());
+    const auto any = std::make_unique<bool[]>(rays.size());
+    const auto always = [] { return true; };
+    cancel_at_every_stage(
+        [&](Progress& progress) {
+            return closest_hits(index, rays, hits, {.execution = {.progress = &progress}});
+        },
+        always);
+    cancel_at_every_stage(
+        [&](Progress& progress) {
+            return any_hits(index, rays, {any.get(), rays.size()},
+                            {.execution = {.progress = &progress}});
+        },
+        always);
+    cancel_at_every_stage(
+        [&](Progress& progress) {
+            return all_hits(index, rays, {.execution = {.progress = &progress}});
+        },
+        always);
 }
 
 } // namespace

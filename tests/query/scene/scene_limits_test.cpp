@@ -110,6 +110,8 @@ TEST(Scene, QueriesThatAreNoneFindNothing)
     ASSERT_FALSE(found);
     EXPECT_EQ(found.error().code, ErrorCode::invalid_argument);
     EXPECT_NE(found.error().message.find("point 2 "), std::string::npos) << found.error().message;
+    const std::vector<Vec3> four(4, Vec3::Zero());
+    EXPECT_EQ(closest_features(scene, four, near).error().code, ErrorCode::invalid_argument);
     for (const double distance : {nan, -1.0, infinity}) {
         EXPECT_EQ(pairs_within(scene, distance).error().code, ErrorCode::invalid_argument);
         EXPECT_EQ(overlapping_bounds(scene, distance).error().code, ErrorCode::invalid_argument);
@@ -146,7 +148,17 @@ TEST(Scene, RefusesInstancesThatAreNone)
     const std::vector<Instance> instances(1000);
     EXPECT_EQ(build_scene({&cube, 1}, instances, {{.budget = {1000}}}).error().code,
               ErrorCode::budget_exceeded);
-    const Scene scene = build_scene({&cube, 1}, instances).value();
+    Scene scene = build_scene({&cube, 1}, instances).value();
+    const std::vector<RigidTransform> poses(1000);
+    EXPECT_EQ(move_instances(scene, poses, {{.budget = {1000}}}).error().code,
+              ErrorCode::budget_exceeded);
+    {
+        const Scene copy = scene; // so that a move in place makes one too
+        const Status moved = move_in_place(scene, std::vector<InstanceId>{id_of(1)},
+                                           std::span(poses).first(1), {{.budget = {1000}}});
+        ASSERT_FALSE(moved);
+        EXPECT_EQ(moved.error().code, ErrorCode::budget_exceeded);
+    }
     const auto pairs = pairs_in_contact(scene, {.execution = {.budget = {100000}}});
     ASSERT_FALSE(pairs);
     EXPECT_EQ(pairs.error().code, ErrorCode::budget_exceeded);
@@ -156,6 +168,26 @@ TEST(Scene, RefusesInstancesThatAreNone)
     const std::vector<MeshIndex> shapes(1000, cube);
     EXPECT_EQ(build_scene(shapes, {}, {{.budget = {100'000}}}).error().code,
               ErrorCode::budget_exceeded);
+}
+
+TEST(Scene, CullingNamesTheInstanceInWhichAPlaneIsNotFinite)
+{
+    const MeshIndex cube = build_mesh_index(cube_mesh(Vec3::Zero(), 1)).value();
+    std::vector<Instance> instances(30);
+    for (std::size_t i = 0; i < instances.size(); ++i)
+        instances[i].pose.translation = Vec3(3.0 * static_cast<double>(i), 0, 0);
+    for (const std::size_t i : {2U, 7U}) instances[i].pose.translation = Vec3(1e9, 1e9, 0);
+    const Scene scene = build_scene({&cube, 1}, instances).value();
+    // Its distance from an origin at (1e9, 1e9, 0) is a difference of infinities.
+    const ViewVolume volume =
+        make_view_volume(std::vector<ViewPlane>{{Vec3(1e300, -1e300, 0), 0}}).value();
+    const auto expect_named = [](const auto& seen) {
+        ASSERT_FALSE(seen);
+        EXPECT_EQ(seen.error().code, ErrorCode::invalid_argument);
+        EXPECT_EQ(seen.error().where, "instance 2");
+    };
+    expect_named(visible_instances(scene, volume));
+    expect_named(visible_ranges(scene, volume));
 }
 
 TEST(Scene, CountsTheShapesThatItHasMeasured)

@@ -75,5 +75,28 @@ TEST(Scene, FindsTheNearestOfManyThatDifferInTheLastBits)
     }
 }
 
+TEST(Scene, RaysFromFarAwayMeetWhatIsTiny)
+{
+    const double size = 1e-200;
+    const TriangleMesh mesh =
+        mesh_of({size * Vec3(0, -1, -1), size * Vec3(0, 2, -1), size * Vec3(0, -1, 2)}, {{0, 1, 2}});
+    const MeshIndex shape = build_mesh_index(mesh).value();
+    std::vector<Instance> instances(20);
+    for (std::size_t i = 0; i < instances.size(); ++i)
+        instances[i].pose.translation = Vec3(3 * size * static_cast<double>(i), 0, 0);
+    const Scene scene = build_scene({&shape, 1}, instances).value();
+    for (const double length : {1.0, 1e100, 1e-100}) {
+        for (const double from : {1e100, 1e107, 1e115}) {
+            SCOPED_TRACE(::testing::Message() << from << ", " << length);
+            const Ray ray{Vec3(from, 0, 0), Vec3(-length, 0, 0)};
+            const auto hit = closest_hit(scene, ray);
+            ASSERT_TRUE(hit);
+            EXPECT_EQ(hit->instance, id_of(0));
+            EXPECT_TRUE(any_hit(scene, ray));
+            EXPECT_EQ(all_hits(scene, ray).size(), instances.size());
+        }
+    }
+}
+
 } // namespace
 } // namespace proxima::scene_rounding_test
