@@ -417,14 +417,15 @@ Status run_tool(const ToolCommandOptions& options, const std::string& model_name
     account.interrupted = last < ticks;
     kept.resize(std::min<std::size_t>(kept.size(), account.ticks));
     recording.ticks.resize(std::min<std::size_t>(recording.ticks.size(), account.ticks));
-    const ToolSession of = {options,      model_name,         settings.device.device,
-                            record,       touched.index,      *tool,
-                            tick_seconds, options.max_torque, render.guard};
     // The results are written even if the recording could not be.
-    const Status recorded_all =
+    const Status saved =
         record.empty() ? Status() : save_tool_recording(recording, record, nullptr);
+    const ToolSession of = {
+        options,       model_name, settings.device.device, saved ? std::string_view(record) : "",
+        touched.index, *tool,      tick_seconds,           options.max_torque,
+        render.guard};
     const Status reported = report_tool(of, account, kept, session);
-    return recorded_all ? reported : recorded_all;
+    return saved ? reported : saved;
 }
 
 } // namespace proxima

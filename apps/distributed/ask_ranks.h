@@ -3,6 +3,7 @@
 
 #include "distributed/world.h"
 
+#include <algorithm>
 #include <cstdint>
 #include <span>
 #include <type_traits>
@@ -34,7 +35,15 @@ template <class Make, class Answer, class Take>
     if (!questions) return tl::unexpected(questions.error());
     std::invoke_result_t<Answer, std::span<const Question>> answers;
     status = world.agree_on([&]() -> Status {
-        answers = answer(std::span<const Question>(questions->items));
+        // In blocks, between which somebody may ask to stop.
+        constexpr std::size_t block = 4096;
+        const std::span<const Question> all(questions->items);
+        answers.reserve(all.size());
+        for (std::size_t first = 0; first < all.size() && !world.progress().cancelled();
+             first += block) {
+            const auto some = answer(all.subspan(first, std::min(block, all.size() - first)));
+            answers.insert(answers.end(), some.begin(), some.end());
+        }
         return {};
     });
     if (!status) return status;

@@ -207,7 +207,8 @@ private:
         if (!has_groups()) return {};
         std::optional<WindingNumber> cap_winding;
         if (is_capped()) {
-            auto built = build_winding_number(caps_, {{.threads = {1}}});
+            auto built =
+                build_winding_number(caps_, {{.threads = {1}, .progress = &world_.progress()}});
             if (!built) return tl::unexpected(built.error());
             cap_winding = std::move(*built);
         }

@@ -81,7 +81,7 @@ Status write_pieces(const OctreePart& part, const fs::path& path, const fs::path
     });
     if (!status) return status;
     const std::vector<std::uint64_t> counts = world.gather(count);
-    return world.agree_on([&]() -> Status {
+    return world.agree_on_done([&]() -> Status {
         if (world.rank() != 0) return {};
         auto file = OutputFile::create(path);
         if (!file) return tl::unexpected(file.error());

@@ -186,9 +186,10 @@ Result<Assembled> assemble_part(ReceivedPart received, MeshPart& part)
 }
 
 /// Winding numbers of the part, which name triangles by their rows.
-Status take_winding(const TriangleMesh& mesh, MeshPart& part)
+Status take_winding(const TriangleMesh& mesh, MeshPart& part, Progress& progress)
 {
-    auto winding = build_winding_number(mesh, {.execution = {.threads = {1}}});
+    auto winding =
+        build_winding_number(mesh, {.execution = {.threads = {1}, .progress = &progress}});
     if (!winding) return tl::unexpected(winding.error());
     part.winding = std::move(*winding).release();
     std::vector<std::uint32_t> rows(mesh.triangle_count());
@@ -262,7 +263,7 @@ Result<MeshPart> make_mesh_part(MeshSlice slice, const PartOptions& options, Wor
         if (!index) return tl::unexpected(index.error());
         part.index = *index;
         if (part.is_closed() || !options.has_winding_if_open) return {};
-        return take_winding(assembled->mesh, part);
+        return take_winding(assembled->mesh, part, world.progress());
     });
     if (!status) return tl::unexpected(status.error());
     using Ends = std::array<double, 6>;

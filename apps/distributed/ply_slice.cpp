@@ -40,7 +40,8 @@ bool is_integer(PlyType type) noexcept
 
 Status place_vertices(const PlyElement& element, MeshRecords& layout)
 {
-    int found = 0;
+    constexpr std::string_view once = "the element vertex must have x, y and z, each once";
+    unsigned found = 0; // a bit of each axis
     for (const PlyProperty& property : element.properties) {
         for (std::size_t axis = 0; axis < 3; ++axis) {
             if (property.name != std::string_view("xyz").substr(axis, 1)) continue;
@@ -49,7 +50,9 @@ Status place_vertices(const PlyElement& element, MeshRecords& layout)
                             "x, y and z must be float or double for proxima-mpi");
             }
             layout.coordinates[axis] = {layout.vertices.bytes, number_type(property.type)};
-            ++found;
+            if ((found >> axis & 1U) != 0)
+                return fail(ErrorCode::malformed_file, std::string(once));
+            found |= 1U << axis;
         }
         if (property.length_type) {
             return fail(ErrorCode::unsupported_format,
@@ -57,8 +60,8 @@ Status place_vertices(const PlyElement& element, MeshRecords& layout)
         }
         layout.vertices.bytes += size_of(property.type);
     }
-    if (found == 3) return {};
-    return fail(ErrorCode::malformed_file, "the element vertex must have x, y and z, each once");
+    if (found == 7) return {};
+    return fail(ErrorCode::malformed_file, std::string(once));
 }
 
 Status place_faces(const PlyElement& element, MeshRecords& layout)

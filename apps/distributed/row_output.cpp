@@ -36,7 +36,7 @@ Status RowOutput::write_text(std::string_view text)
 
 Status RowOutput::commit()
 {
-    return world_->agree_on([&]() -> Status {
+    return world_->agree_on_done([&]() -> Status {
         if (!is_writer()) return {};
         if (file_) return file_->commit();
         if (std::fflush(stdout) == 0) return {};

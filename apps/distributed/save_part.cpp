@@ -98,7 +98,7 @@ public:
         stream<std::uint32_t>(references.size(), [&](std::size_t i) {
             return static_cast<std::uint32_t>(part_.whole_id(references[i]));
         });
-        return world_.agree_on([&]() -> Status {
+        return world_.agree_on_done([&]() -> Status {
             if (!writer_ || !written_) return written_;
             return writer_->commit();
         });

@@ -54,9 +54,20 @@ public:
     [[nodiscard]] Status agree(const Status& status) const;
 
     /// Calls make(), which returns a Status and takes no part in messages; memory that runs out is
-    /// an error like others.
+    /// an error like others. Error cancelled where somebody asked to stop meanwhile.
     template <class Make>
     [[nodiscard]] Status agree_on(const Make& make)
+    {
+        return agree_on_done([&]() -> Status {
+            Status status = make();
+            if (status && progress_.cancelled()) status = cancelled("the work");
+            return status;
+        });
+    }
+
+    /// The same for what cannot be taken back, as a file that was replaced.
+    template <class Make>
+    [[nodiscard]] Status agree_on_done(const Make& make)
     {
         Status status;
         const double start = processor_seconds();
@@ -67,7 +78,6 @@ public:
                           concat("memory ran out on rank ", rank_, " of ", size_,
                                  ": use more machines, or fewer ranks on each"));
         }
-        if (status && progress_.cancelled()) status = cancelled("the work");
         work_seconds_ += processor_seconds() - start;
         return agree(status);
     }

@@ -304,7 +304,7 @@ SumDistances = _result(
     distance="(n,) float64, negative inside",
     nearest="(n, 3) float64: the nearest point of the surface",
     direction="(n, 3) float64, of length 1: outward",
-    facet="(n,) int32: that holds the nearest point, -1 for a flat sum")
+    facet="(n,) int32: that holds the nearest point, -1 for a sum that is a point or a segment")
 
 Material = _result(
     "Material", "What an object feels like; a device's limits bound it.", (500.0, 1.0, 0.4, 0.3),

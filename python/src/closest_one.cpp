@@ -22,6 +22,7 @@ struct ClosestOne {
 };
 
 PyTypeObject* closest_one_type = nullptr;
+PyTypeObject* complex_type = nullptr; // numpy.complexfloating, once it was asked for
 
 const ClosestFeature& answer_of(PyObject* self)
 {
@@ -84,13 +85,41 @@ const double* row_of(PyObject* object)
     return fits ? static_cast<const double*>(static_cast<const void*>(array->data)) : nullptr;
 }
 
+/// Whether it is a complex number of NumPy, of which a conversion would drop the imaginary part.
+bool is_complex(PyObject* object)
+{
+    if (py::isinstance<py::array>(object))
+        return py::reinterpret_borrow<py::array>(object).dtype().kind() == 'c';
+    if (complex_type == nullptr) {
+        py::object type = py::module_::import("numpy").attr("complexfloating");
+        complex_type = reinterpret_cast<PyTypeObject*>(type.release().ptr());
+    }
+    return PyObject_TypeCheck(object, complex_type) != 0;
+}
+
+/// A number as a double, NaN where an error is set.
+double coordinate_of(PyObject* object, const char* name)
+{
+    if (PyFloat_Check(object) != 0) return PyFloat_AS_DOUBLE(object);
+    if (PyLong_Check(object) == 0 && is_complex(object))
+        refuse(name, "must be a real number, is complex");
+    const double number = PyFloat_AsDouble(object);
+    if (PyErr_Occurred() == nullptr) return number;
+    if (PyErr_ExceptionMatches(PyExc_OverflowError) == 0) return nan;
+    PyErr_Clear();
+    refuse(name, "is beyond the largest double");
+}
+
 /// The point of the arguments (x, y, z) or (point,); nothing where an error is set.
 std::optional<Vec3> point_of_arguments(PyObject* const* arguments, Py_ssize_t count)
 {
     if (count == 3) {
+        constexpr const char* names[] = {"x", "y", "z"};
         Vec3 point;
-        for (int k = 0; k < 3; ++k) point[k] = PyFloat_AsDouble(arguments[k]);
-        if (PyErr_Occurred() != nullptr) return std::nullopt;
+        for (int k = 0; k < 3; ++k) {
+            point[k] = coordinate_of(arguments[k], names[k]);
+            if (std::isnan(point[k]) && PyErr_Occurred() != nullptr) return std::nullopt;
+        }
         return point;
     }
     if (count == 1) {

@@ -83,7 +83,10 @@ The center is a point of the moving mesh, in its own coordinates. It moves along
         [](const py::object& motion, double time) {
             const RigidMotion path = motion_of(motion);
             if (!std::isfinite(time)) refuse("time", "must be finite");
-            return matrix_of(proxima::pose_at(path, time));
+            const RigidTransform pose = proxima::pose_at(path, time);
+            if (!pose.rotation.allFinite() || !pose.translation.allFinite())
+                refuse("time", "the pose then is beyond the largest double");
+            return matrix_of(pose);
         },
         py::arg("motion"), py::arg("time"),
         "The pose (3, 4) of a Motion at a time: its start at 0, its end at 1.");

@@ -6,6 +6,7 @@
 #include "proxima/mesh_index.h"
 #include "proxima/touch_scene.h"
 
+#include <atomic>
 #include <cstddef>
 #include <cstdint>
 #include <memory>
@@ -27,6 +28,8 @@ struct SharedScene : std::enable_shared_from_this<SharedScene> {
     std::vector<TouchBody> bodies; ///< by object: those added or exchanged last
     bool touched = false;          ///< a renderer was made: no objects are added any more
     std::shared_mutex ticks;       ///< held by renderers while they tick, and by who reads poses
+    std::atomic<int> readers = 0;  ///< of poses, for whom renderers give way after a tick
+    std::mutex gate;               ///< held by the reader at hand: renderers wait for it
     /// Held by who reads poses, without Python's lock, and by who adds objects and renderers, with it. Its
     /// holders wait for nothing.
     std::mutex contents;

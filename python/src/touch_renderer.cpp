@@ -1,4 +1,5 @@
 #include "bindings.h"
+#include "haptics/surface/exits.h"
 #include "index_methods.h"
 #include "proxima/device.h"
 #include "proxima/haptic_renderer.h"
@@ -33,14 +34,22 @@ public:
     [[nodiscard]] const HapticRenderer& renderer() const noexcept { return renderer_; }
     [[nodiscard]] bool has_scene() const noexcept { return scene_ != nullptr; }
 
-    /// Ticks after ticks, without Python's lock.
-    template <class Tick>
-    auto exclusively(Tick&& work)
+    /// Ticks after ticks, without Python's lock. Between them `work` calls what it is given, so that
+    /// others can read poses of the scene.
+    template <class Work>
+    auto exclusively(Work&& work)
     {
         const std::lock_guard one(mutex_);
-        if (scene_ == nullptr) return work(renderer_);
+        if (scene_ == nullptr) return work(renderer_, [] {});
         const std::shared_lock ticks(scene_->ticks);
-        return work(renderer_);
+        return work(renderer_, [this] {
+            if (scene_->readers == 0) return;
+            scene_->ticks.unlock_shared();
+            {
+                const std::lock_guard after_them(scene_->gate);
+            }
+            scene_->ticks.lock_shared();
+        });
     }
 
 private:
@@ -119,8 +128,12 @@ std::unique_ptr<SharedRenderer> make(const py::object& model, const py::object& 
     const MeshIndex index = index_of(model, "a proxima.Mesh, Index or TouchScene");
     const WorkspaceMap map = map_of(bounds_of(index), limits, units_per_metre, center);
     return std::make_unique<SharedRenderer>(
-        nullptr, run(py::none(), Duration::lengthy,
-                     [&](Progress*) { return make_haptic_renderer(index, map, limits, options); }));
+        nullptr,
+        run(py::none(), Duration::lengthy, [&](Progress* progress) -> Result<HapticRenderer> {
+            const auto with = with_exits(index, {.progress = progress});
+            if (!with) return tl::unexpected(with.error());
+            return make_haptic_renderer(*with, map, limits, options);
+        }));
 }
 
 /// Rows, or one row that was given without the dimension that counts them.
@@ -156,9 +169,10 @@ py::object step(SharedRenderer& self, const py::object& positions, const py::obj
     TouchColumns columns(from.points.size(), self.has_scene());
     run(progress, duration_of(from.points.size()), [&](Progress* watched) -> Status {
         if (watched != nullptr) watched->begin_stage("touching", from.points.size());
-        return self.exclusively([&](HapticRenderer& renderer) -> Status {
+        return self.exclusively([&](HapticRenderer& renderer, const auto& give_way) -> Status {
             DeviceState state;
             for (std::size_t i = 0; i < from.points.size(); ++i) {
+                give_way();
                 state.pose.translation = from.points[i];
                 if (speeds) state.velocity = speeds->points[i];
                 columns.set(i, renderer.tick(state, seconds));
@@ -178,7 +192,7 @@ py::object step(SharedRenderer& self, const py::object& positions, const py::obj
 void reset(SharedRenderer& self)
 {
     const Unlocked unlocked;
-    self.exclusively([](HapticRenderer& renderer) { renderer.reset(); });
+    self.exclusively([](HapticRenderer& renderer, const auto& /*give_way*/) { renderer.reset(); });
 }
 
 py::dict options_of(const SharedRenderer& self)

@@ -43,19 +43,20 @@ DeviceLimits limits_of_recording(const RecordingSettings& settings)
 }
 
 /// As `proxima touch` has it.
-Result<Replayed> touch_again(const RecordingSettings& settings, const MeshIndex& index)
+Result<Replayed> touch_again(const RecordingSettings& settings, const MeshIndex& index,
+                             Progress* progress)
 {
     const DeviceLimits limits = limits_of_recording(settings);
     if (Status status = check_render_settings(settings.map, limits, settings.render); !status)
         return tl::unexpected(status.error());
     Replayed replayed;
-    const auto with = with_exits(index);
+    const auto with = with_exits(index, {.progress = progress});
     if (!with) return tl::unexpected(with.error());
     auto surface = IndexContactSurface::make(*with);
     if (!surface) return tl::unexpected(surface.error());
     replayed.surface = std::move(*surface);
     if (settings.law == ForceLaw::penalty) {
-        const auto inside = with_signs(index);
+        const auto inside = with_signs(index, {.execution = {.progress = progress}});
         if (!inside) return tl::unexpected(inside.error());
         replayed.inside = std::make_unique<const MeshIndex>(*inside);
         replayed.renderer = make_penalty_renderer(*replayed.surface, *replayed.inside, settings.map,
@@ -80,7 +81,7 @@ Replayed of_model(const RecordingSettings& settings, const py::object& model)
     const MeshIndex index = index_of(model, "a proxima.Mesh or Index");
     if (index.mesh_fingerprint() != settings.mesh_fingerprint) refuse_model("model");
     return run(py::none(), Duration::lengthy,
-               [&](Progress*) { return touch_again(settings, index); });
+               [&](Progress* progress) { return touch_again(settings, index, progress); });
 }
 
 Replayed of_scene(const RecordingSettings& settings, const py::object& models)

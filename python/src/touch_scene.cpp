@@ -99,8 +99,13 @@ py::array pose(SharedScene& self, Integer object)
     {
         const ObjectId id = object_numbered(self, object);
         const Unlocked unlocked; // a tick under way is waited for
-        const std::scoped_lock lock(self.ticks, self.contents);
-        now = self.scene.pose(id);
+        const std::lock_guard first(self.gate);
+        ++self.readers;
+        {
+            const std::scoped_lock lock(self.ticks, self.contents);
+            now = self.scene.pose(id);
+        }
+        --self.readers;
     }
     return matrix_of(now);
 }

@@ -7,6 +7,7 @@
 #pragma once
 
 #include "geometry/exact_predicates.h"
+#include "geometry/length.h"
 #include "proxima/geometry.h"
 
 #include <algorithm>
@@ -26,12 +27,16 @@ public:
         const Vec3 b = (triangle[1] - eye) * unit;
         const Vec3 c = (triangle[2] - eye) * unit;
         double numerator = a.dot(b.cross(c));
-        const double la = a.norm();
-        const double lb = b.norm();
-        const double lc = c.norm();
+        double la = a.norm();
+        double lb = b.norm();
+        double lc = c.norm();
         if (!(la * lb * lc > 1e-190 && la * lb * lc < 1e190)) {
             const double own = unit_of(triangle, eye);
             if (own != unit) return add(triangle, eye, own);
+            // Squares of the distance of a corner that is all but the eye are zero.
+            la = length_of(a);
+            lb = length_of(b);
+            lc = length_of(c);
         }
         // Off by less than 20 * 2^-53 of this. Before a face the sign is all that matters of it.
         const double doubt = 0x1p-48 * (la * lb * lc);
@@ -43,14 +48,15 @@ public:
         const double denominator = la * lb * lc + a.dot(b) * lc + b.dot(c) * la + c.dot(a) * lb;
         const double real = real_ * denominator - imaginary_ * numerator;
         const double imaginary = real_ * numerator + imaginary_ * denominator;
+        const double size = std::abs(real) + std::abs(imaginary);
+        if (!(size > 0.0)) return; // the eye is a corner, as far as doubles tell
         if (numerator > 0.0) {
             if (imaginary_ >= 0.0 && imaginary < 0.0) ++turns_;
         } else if (imaginary_ < 0.0 && imaginary >= 0.0) {
             --turns_;
         }
-        const double size = std::abs(real) + std::abs(imaginary);
         const bool representable = size > 1e-60 && size < 1e60;
-        const double scale = representable ? 1.0 : 1.0 / size;
+        const double scale = representable ? 1.0 : std::min(1.0 / size, 0x1p1000);
         real_ = real * scale;
         imaginary_ = imaginary * scale;
     }

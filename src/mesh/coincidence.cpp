@@ -5,14 +5,28 @@
 
 #include <algorithm>
 #include <bit>
+#include <chrono>
+#include <cstdint>
 
 namespace proxima::detail {
 
 namespace {
 
+/// Another number in each process, so that nobody can make positions of one hash, which would be compared
+/// one by one. Nothing that is found depends on it.
+std::uint64_t secret() noexcept
+{
+    static const std::uint64_t number = [] {
+        const auto time = std::chrono::steady_clock::now().time_since_epoch().count();
+        const void* const place = &time; // which the system scatters
+        return mix_bits(static_cast<std::uint64_t>(time), std::bit_cast<std::uintptr_t>(place));
+    }();
+    return number;
+}
+
 std::uint64_t hash_of(const Vec3& position) noexcept
 {
-    std::uint64_t hash = 0;
+    std::uint64_t hash = secret();
     for (const double coordinate : position) {
         hash = mix_bits(hash, std::bit_cast<std::uint64_t>(coordinate + 0.0)); // -0 becomes 0
     }

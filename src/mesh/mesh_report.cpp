@@ -261,7 +261,7 @@ private:
         const double scale =
             report_.bounds.empty() ? 1.0 : detail::unit_scale(detail::reach_of(report_.bounds));
         const std::vector<SurfaceComponent> components =
-            surface_components(mesh_, topology_, uses_, scale);
+            surface_components(mesh_, topology_, uses_);
         report_.components = components.size();
         Tally inward(options_.max_ids);
         std::uint64_t outward = 0;
@@ -269,7 +269,8 @@ private:
         double volume = 0.0;
         for (const SurfaceComponent& component : components) {
             sealed = sealed && component.sealed;
-            volume += component.volume.volume;
+            const double ratio = scale / component.volume.scale;
+            volume += component.volume.volume * ratio * ratio * ratio;
             if (!component.sealed) continue;
             const int sign = component.volume.sign();
             if (sign > 0) ++outward;

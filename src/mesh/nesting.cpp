@@ -116,7 +116,7 @@ std::vector<Box> boxes_of(const TriangleMesh& mesh, std::span<const std::uint32_
 }
 
 /// 1 for surfaces whose box is in that of another one.
-std::vector<std::uint8_t> with_box_inside(std::span<const Box> boxes)
+std::vector<std::uint8_t> with_box_inside(std::span<const Box> boxes, const Progress* progress)
 {
     std::vector<SurfaceSample> lower_corners;
     for (std::uint32_t surface = 0; surface < boxes.size(); ++surface) {
@@ -125,8 +125,10 @@ std::vector<std::uint8_t> with_box_inside(std::span<const Box> boxes)
     const SampleTree tree(lower_corners);
     std::vector<std::uint8_t> inside(boxes.size(), 0);
     for (const SurfaceSample& around : lower_corners) {
+        if (is_cancelled(progress)) break;
         tree.visit_in(boxes[around.surface], [&](std::uint32_t sample) {
             const std::uint32_t other = lower_corners[sample].surface;
+            if (inside[other] != 0) return;
             const bool holds =
                 (boxes[other].upper.array() <= boxes[around.surface].upper.array()).all();
             if (other != around.surface && holds) inside[other] = 1;
@@ -182,8 +184,8 @@ std::vector<std::uint8_t> odd_nesting(const TriangleMesh& mesh,
     };
     parallel_chunks(mesh.triangle_count(), triangles_per_nesting_task, threads,
                     [&](std::size_t first, std::size_t end) {
-                        if (is_cancelled(progress)) return;
-                        for (std::size_t id = first; id < end; ++id) count_above(id);
+                        for (std::size_t id = first; id < end && !is_cancelled(progress); ++id)
+                            count_above(id);
                     });
     std::vector<std::uint8_t> result;
     result.reserve(odd.size());
@@ -196,7 +198,7 @@ std::vector<std::uint8_t> nested_surfaces(const TriangleMesh& mesh,
                                           std::uint32_t count, Threads threads,
                                           const Progress* progress)
 {
-    std::vector<std::uint8_t> nested = with_box_inside(boxes_of(mesh, surface_of, count));
+    std::vector<std::uint8_t> nested = with_box_inside(boxes_of(mesh, surface_of, count), progress);
     const std::vector<SurfaceSample> corners = own_corners(mesh, surface_of, nested);
     const std::vector<std::uint8_t> odd = odd_nesting(mesh, surface_of, corners, threads, progress);
     std::vector<std::uint8_t> has_corner(count, 0);

@@ -338,12 +338,19 @@ private:
             double area = 0;
         };
         std::vector<Size> sizes(surface.triangle_count()); // of each set at its lowest triangle
+        double reach = 0;
+        for (const Vec3& p : surface.positions())
+            if (p.allFinite()) reach = std::max(reach, p.cwiseAbs().maxCoeff());
+        const auto scaled = [scale = detail::unit_scale(reach)](Triangle triangle) {
+            for (Vec3& corner : triangle.vertices) corner *= scale;
+            return triangle;
+        };
         double largest = 0;
         for (std::uint32_t i = 0; i < surface.triangle_count(); ++i) {
             Size& size = sizes[sets.find(i)];
             ++size.triangles;
             const Triangle one = surface.triangle(TriangleId{i});
-            if (is_finite(one)) size.area += length_of(scaled_normal(one));
+            if (is_finite(one)) size.area += length_of(scaled_normal(scaled(one)));
             largest = std::max(largest, size.area);
         }
         for (std::uint32_t i = 0; i < surface.triangle_count(); ++i) {

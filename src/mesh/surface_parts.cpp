@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace proxima::detail {
 
@@ -103,19 +104,43 @@ double unit_scale(double reach) noexcept
     return reach > 0 ? std::ldexp(1.0, std::clamp(-std::ilogb(reach) - 1, -most, most)) : 1.0;
 }
 
-void VolumeSum::add(const Triangle& triangle, const Vec3& origin, double scale,
-                    bool turned) noexcept
+void VolumeSum::add(const Triangle& triangle, const Vec3& origin, bool turned) noexcept
 {
-    const Vec3 a = triangle[0] * scale;
-    const Vec3 normal = (triangle[1] * scale - a).cross(triangle[2] * scale - a);
-    const Vec3 from_origin = a - origin * scale;
+    const auto from = [this](const Vec3& p, const Vec3& to) -> Vec3 {
+        // Differences of large numbers may overflow, and scaled small numbers vanish.
+        constexpr double huge = 0x1p-800;
+        if (scale < huge) return to * scale - p * scale;
+        return (to - p) * scale;
+    };
+    const Vec3 normal = from(triangle[0], triangle[1]).cross(from(triangle[0], triangle[2]));
+    const Vec3 from_origin = from(origin, triangle[0]);
     const double term = from_origin.dot(normal);
     volume += turned ? -term : term;
     magnitude += from_origin.norm() * normal.norm();
 }
 
+std::vector<VolumeSum> scaled_sums(const TriangleMesh& mesh,
+                                   std::span<const std::uint32_t> surface_of, std::size_t count)
+{
+    std::vector<Box> boxes(count);
+    for (std::uint32_t id = 0; id < surface_of.size(); ++id) {
+        if (surface_of[id] == no_surface_sum) continue;
+        const Triangle triangle = mesh.triangle(TriangleId{id});
+        if (!is_finite(triangle)) continue;
+        for (const Vec3& corner : triangle.vertices) boxes[surface_of[id]].extend(corner);
+    }
+    std::vector<VolumeSum> sums(count);
+    for (std::size_t i = 0; i < count; ++i) {
+        if (boxes[i].empty()) continue;
+        const double extent = boxes[i].extent().maxCoeff();
+        constexpr double largest = std::numeric_limits<double>::max();
+        sums[i].scale = unit_scale(std::min(extent, largest));
+    }
+    return sums;
+}
+
 std::vector<SurfaceComponent> surface_components(const TriangleMesh& mesh, const Topology& topology,
-                                                 std::span<const EdgeUse> uses, double scale)
+                                                 std::span<const EdgeUse> uses)
 {
     const auto count = static_cast<std::uint32_t>(mesh.triangle_count());
     DisjointSets sets(count);
@@ -124,7 +149,7 @@ std::vector<SurfaceComponent> surface_components(const TriangleMesh& mesh, const
     });
 
     std::vector<SurfaceComponent> components;
-    std::vector<std::uint32_t> number(count, 0);
+    std::vector<std::uint32_t> number(count, no_surface_sum);
     for (std::uint32_t id = 0; id < count; ++id) {
         if (!is_proper(mesh.triangles()[id])) continue;
         const std::uint32_t root = sets.find(id); // the lowest id: its number is known
@@ -133,11 +158,16 @@ std::vector<SurfaceComponent> surface_components(const TriangleMesh& mesh, const
             components.push_back({.first_triangle = id});
         }
         number[id] = number[root];
+    }
+    std::vector<VolumeSum> sums = scaled_sums(mesh, number, components.size());
+    for (std::size_t i = 0; i < components.size(); ++i) components[i].volume = sums[i];
+    for (std::uint32_t id = 0; id < count; ++id) {
+        if (number[id] == no_surface_sum) continue;
         SurfaceComponent& component = components[number[id]];
         const Triangle triangle = mesh.triangle(TriangleId{id});
         if (is_finite(triangle)) {
             const TriangleId first{component.first_triangle};
-            component.volume.add(triangle, mesh.triangle(first)[0], scale);
+            component.volume.add(triangle, mesh.triangle(first)[0]);
         } else {
             component.sealed = false;
         }

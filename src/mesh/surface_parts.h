@@ -57,13 +57,13 @@ struct EdgeUse {
 
 /// Sums up the volume of a closed surface from its triangles.
 struct VolumeSum {
+    double scale = 1;     ///< a power of two that brings the surface's extent to about 1
     double volume = 0;    ///< signed, six times that of the scaled surface
     double magnitude = 0; ///< what the terms would sum up to, were all triangles seen straight on
 
     /// `origin` is a vertex of the surface: from farther away, rounding would hide small surfaces.
     /// `turned` negates the term exactly.
-    void add(const Triangle& triangle, const Vec3& origin, double scale,
-             bool turned = false) noexcept;
+    void add(const Triangle& triangle, const Vec3& origin, bool turned = false) noexcept;
 
     /// 1 or -1, 0 where the volume may be mere rounding.
     [[nodiscard]] int sign() const noexcept
@@ -74,6 +74,14 @@ struct VolumeSum {
     }
 };
 
+/// Of no surface, where surfaces of triangles are listed.
+inline constexpr std::uint32_t no_surface_sum = ~std::uint32_t{0};
+
+/// Sums of so many surfaces, without a triangle yet, each with the scale of its own extent: beside a
+/// large surface a small one would vanish. `surface_of`: by triangle
+[[nodiscard]] std::vector<VolumeSum>
+scaled_sums(const TriangleMesh& mesh, std::span<const std::uint32_t> surface_of, std::size_t count);
+
 /// A set of proper triangles that edges connect.
 struct SurfaceComponent {
     std::uint32_t first_triangle = 0; ///< the lowest
@@ -81,10 +89,9 @@ struct SurfaceComponent {
     VolumeSum volume{};               ///< of its finite triangles
 };
 
-/// All components, by first triangle. `scale` is that of their volumes.
+/// All components, by first triangle.
 [[nodiscard]] std::vector<SurfaceComponent> surface_components(const TriangleMesh& mesh,
                                                                const Topology& topology,
-                                                               std::span<const EdgeUse> uses,
-                                                               double scale);
+                                                               std::span<const EdgeUse> uses);
 
 } // namespace proxima::detail

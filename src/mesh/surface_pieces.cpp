@@ -161,16 +161,6 @@ private:
     std::vector<std::pair<std::uint32_t, int>> ways_; ///< of one edge: piece, and 1 or -1
 };
 
-double scale_of(const TriangleMesh& mesh)
-{
-    double reach = 0;
-    for (const Vec3& position : mesh.positions()) {
-        const double largest = position.cwiseAbs().maxCoeff();
-        if (std::isfinite(largest)) reach = std::max(reach, largest);
-    }
-    return unit_scale(reach);
-}
-
 } // namespace
 
 std::optional<SurfacePieces> find_surface_pieces(const TriangleMesh& mesh, const Topology& topology,
@@ -190,8 +180,8 @@ std::vector<int> volume_signs_of(const TriangleMesh& mesh, const SurfacePieces& 
 {
     // Turning a triangle over negates its term exactly: the sign of a piece turned over as a whole
     // is that of the piece negated, whatever was rounded.
-    const double scale = scale_of(mesh);
-    std::vector<VolumeSum> sums(surface.pieces.size());
+    static_assert(no_piece == no_surface_sum);
+    std::vector<VolumeSum> sums = scaled_sums(mesh, surface.piece_of, surface.pieces.size());
     std::vector<bool> finite(surface.pieces.size(), true);
     for (std::uint32_t id = 0; id < mesh.triangle_count(); ++id) {
         const std::uint32_t number = surface.piece_of[id];
@@ -202,7 +192,7 @@ std::vector<int> volume_signs_of(const TriangleMesh& mesh, const SurfacePieces& 
             continue;
         }
         const TriangleId first{surface.pieces[number].first_triangle};
-        sums[number].add(triangle, mesh.triangle(first)[0], scale, surface.turned[id] != 0);
+        sums[number].add(triangle, mesh.triangle(first)[0], surface.turned[id] != 0);
     }
     std::vector<int> signs;
     for (std::size_t number = 0; number < sums.size(); ++number) {

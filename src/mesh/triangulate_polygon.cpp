@@ -46,6 +46,32 @@ bool PolygonTriangulator::triangulate(std::span<const std::uint32_t> corners,
 {
     PROXIMA_CHECK_GE(corners.size(), 3U);
     PROXIMA_CHECK_EQ(triangles.size() + 2, corners.size());
+    double extent = 0;
+    for (const std::uint32_t corner : corners)
+        extent =
+            std::max(extent, (positions[corner] - positions[corners[0]]).cwiseAbs().maxCoeff());
+    // Products of four lengths are compared.
+    const bool has_products = extent > 0x1p-200 && extent < 0x1p200;
+    if (corners.size() == 3 || has_products || !(extent > 0) || !std::isfinite(extent))
+        return triangulate_scaled(corners, positions, triangles);
+    const double scale = std::ldexp(1.0, std::clamp(-std::ilogb(extent), -1000, 1000));
+    std::vector<Vec3> scaled;
+    std::vector<std::uint32_t> numbers;
+    for (const std::uint32_t corner : corners) {
+        numbers.push_back(static_cast<std::uint32_t>(numbers.size()));
+        scaled.emplace_back((positions[corner] - positions[corners[0]]) * scale);
+    }
+    if (!triangulate_scaled(numbers, scaled, triangles)) return false;
+    for (TriangleCorners& triangle : triangles)
+        for (std::uint32_t& corner : triangle) corner = corners[corner];
+    return true;
+}
+
+/// \pre the polygon's extent is such that products of four lengths are doubles
+bool PolygonTriangulator::triangulate_scaled(std::span<const std::uint32_t> corners,
+                                             std::span<const Vec3> positions,
+                                             std::span<TriangleCorners> triangles)
+{
     const Vec3 area = area_vector(corners, positions);
     const bool has_area = area.allFinite() && !area.isZero(0);
     if (corners.size() == 3 || !has_area || is_fan(corners, positions, area)) {

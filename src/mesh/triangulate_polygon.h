@@ -42,6 +42,9 @@ private:
         bool blocks = false; ///< not convex: only such corners can spoil an ear
     };
 
+    [[nodiscard]] bool triangulate_scaled(std::span<const std::uint32_t> corners,
+                                          std::span<const Vec3> positions,
+                                          std::span<TriangleCorners> triangles);
     void flatten(std::span<const std::uint32_t> corners, std::span<const Vec3> positions,
                  const Vec3& area);
     [[nodiscard]] double turn(std::uint32_t corner) const noexcept;

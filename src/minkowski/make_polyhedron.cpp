@@ -291,7 +291,13 @@ Result<ConvexPolyhedron> polyhedron_of_mesh(const TriangleMesh& mesh,
     }
     std::vector<Vec3> points;
     for (std::size_t v = 0; v < mesh.vertex_count(); ++v) {
-        if (is_used[v]) points.push_back(mesh.positions()[v]);
+        if (!is_used[v]) continue;
+        points.push_back(mesh.positions()[v]);
+        if (points.back().cwiseAbs().maxCoeff() > max_polyhedron_coordinate) {
+            return fail(ErrorCode::limit_exceeded,
+                        "a coordinate is beyond 2^300, about 2e90: scale the mesh down",
+                        concat("vertex ", v));
+        }
     }
     auto hull = convex_hull(points, {}, options.execution);
     if (!hull) return hull;

@@ -104,8 +104,10 @@ public:
     ScaledSum(const MinkowskiSum& sum, const Vec3& point) : sum_(sum)
     {
         double size = point.cwiseAbs().maxCoeff();
-        for (std::uint32_t v = 0; v < sum.point_count(); ++v)
-            size = std::max(size, sum.position(v).cwiseAbs().maxCoeff());
+        for (std::uint32_t v = 0; v < sum.point_count(); ++v) {
+            const double reach = sum.position(v).cwiseAbs().maxCoeff();
+            if (std::isfinite(reach)) size = std::max(size, reach); // a scaled sum may overflow
+        }
         exponent_ = size > 0 ? std::ilogb(size) : 0;
     }
 

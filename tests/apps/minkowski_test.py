@@ -57,7 +57,12 @@ class Summing(ProgramTest):
             self.assertAlmostEqual(report["signed_volume"], 8 + 4 / 3 + 24 + 12)
         text = (self.folder / "s.obj").read_text()
         self.assertEqual([text.count("\ng " + group) for group in ("a\n", "b\n", "both\n", "swept\n")], [1, 1, 0, 1])
-        self.assertEqual((self.folder / "s.ply").read_text().count(" 70 170 80\n"), 12)
+        faces = [line.split() for line in (self.folder / "s.ply").read_text().splitlines()[-26:]]
+        # Squares of the cube are red, triangles of the octahedron blue, rectangles of their edges green.
+        self.assertEqual(sorted((int(face[0]), " ".join(face[-3:])) for face in faces),
+                         [(3, "60 90 200")] * 8 + [(4, "200 60 50")] * 6 + [(4, "70 170 80")] * 12)
+        self.succeed("minkowski", "cube", "cube", "--out", self.folder / "both.ply")
+        self.assertEqual((self.folder / "both.ply").read_text().count(" 150 70 170\n"), 6)
         glb = (self.folder / "s.glb").read_bytes()
         length, = struct.unpack_from("<I", glb, 12)
         document = json.loads(glb[20:20 + length])

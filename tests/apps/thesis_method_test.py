@@ -111,9 +111,11 @@ class OtherQueries(ProgramTest):
         planes = self.file("planes.csv", "1,0,0,-0.25\n0,1,0,0.125\n0,0,-1,0.5\n")
         out = [self.folder / name for name in ("thesis.csv", "index.csv")]
         thesis = self.json_of("cull", "torus:40x20", "--frustum", planes, "--out", out[0], "--method", "thesis")
-        self.json_of("cull", "torus:40x20", "--frustum", planes, "--out", out[1], "--exact")
+        index = self.json_of("cull", "torus:40x20", "--frustum", planes, "--out", out[1], "--exact")
         listed, visible = (set(path.read_text().split()) for path in out)
         self.assertLess(visible, listed)
+        for key in ("visible_cells", "cells"):
+            self.assertEqual(thesis[key], index[key], key)
         self.assertEqual(thesis["method"], "thesis")
         self.refuse("cull", "cube", "--frustum", planes, "--method", "thesis", "--exact", status=2, says="--exact")
 

@@ -76,6 +76,19 @@ class Octree(DistributedTest):
         leaves = [int(line.split()[3]) for line in results[2].stdout.splitlines() if line.split()[:2] == ["5", "0"]]
         self.assertEqual([sum(row["Leaves"] for row in rows[2])], leaves)
 
+    def test_what_ranks_have_and_send(self):
+        """One has all triangles in its cell, and nobody to send them to. What others save, they send to the first: cells, nodes and pointers."""
+        cells = (2, "octree", "torus:30x20", "--depth", 4, "--routing-depth", 2)
+        results = run_each([(1, "octree", "torus:9x9", "--depth", 0), cells, (*cells, "--save", self.folder / "a.pxo")])
+        alone, = self.rank_rows(results[0].stdout, 1)
+        expected = {"Cells": 1, "Triangles": 162, "Leaves": 1, "Pairs split": 0, "Pointers": 162, "Messages": 0, "Bytes sent": 0}
+        self.assertEqual({name: alone[name] for name in expected}, expected)
+        self.assertTrue(4 < alone["Peak MB"] < 1000, alone)
+        built, saved = (self.rank_rows(result.stdout, 2) for result in results[1:])
+        self.assertEqual([row["Messages"] - before["Messages"] for before, row in zip(built, saved)], [0, 3])
+        self.assertEqual(saved[0]["Bytes sent"], built[0]["Bytes sent"])
+        self.assertGreater(saved[1]["Bytes sent"] - built[1]["Bytes sent"], 4 * built[1]["Pointers"])
+
     def test_statistics_are_those_of_the_program(self):
         options = ["--depth", 7, "--threshold", 8]
         one = subprocess.run([PROXIMA, "octree", "torus:200x100", *map(str, options)], capture_output=True, text=True, check=True).stdout
@@ -102,6 +115,26 @@ class Errors(DistributedTest):
         jobs = [[self.octree_of("beyond.ply", beyond), f"uses vertex {len(positions)}"], [self.octree_of("four.ply", four), "4 corners"]]
         positions[triangles[-1][0]] = [float("nan"), 0, 0]
         self.refuse_each(*jobs, [self.octree_of("nan.ply", ply(positions, triangles)), "nan.ply", "NaN"])
+
+    def test_vertices_whose_coordinates_are_not_three_real_numbers(self):
+        """Files of the size that their headers promise."""
+        jobs = []
+        for name, properties, says in (("twice", ("float x", "float x", "float y"), "each once"),
+                                       ("four", ("float x", "float y", "float z", "double y"), "each once"),
+                                       ("whole", ("int x", "float y", "float z"), "must be float or double")):
+            lines = "".join(f"property {kind}\n" for kind in properties)
+            header = f"ply\nformat binary_little_endian 1.0\nelement vertex 3\n{lines}element face 1\nproperty list uchar int vertex_indices\nend_header\n"
+            letters = "<" + "".join(kind[0] for kind in properties)
+            corners = b"".join(struct.pack(letters, *([corner] * len(properties))) for corner in range(3))
+            jobs.append([self.octree_of(f"{name}.ply", header.encode() + corners + struct.pack("<B3i", 3, 0, 1, 2)), f"{name}.ply", says])
+        self.refuse_each(*jobs)
+
+    def test_coordinates_that_overflow_exact_arithmetic(self):
+        jobs = []
+        for name, far in (("high", 1e150), ("low", -1e150)):
+            positions = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, far]]
+            jobs.append([self.octree_of(f"{name}.ply", ply(positions, [[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]])), f"{name}.ply", "scale the mesh"])
+        self.refuse_each(*jobs)
 
     def test_files_that_are_not_there_or_of_another_kind(self):
         jobs = [[["octree", self.folder / "none.ply"], "none.ply"], [self.octree_of("mesh.obj", b""), "torus:NxM"]]

@@ -2,6 +2,7 @@
 
 #include "counted_allocations.h"
 #include "haptics/engine_side.h"
+#include "haptics/force/surface_renderer.h"
 #include "haptics/loop/recording.h"
 #include "haptics/scenes_to_touch.h"
 #include "lab/hand_device.h"
@@ -620,6 +621,167 @@ TEST(EngineChannel, IsOpenedByName)
     for (const char* const wrong : {"", "udp:", "udp:x", "shm:", "shm:a/b", "shm:../x", "tcp:1"})
         EXPECT_FALSE(open_engine_channel(wrong)) << wrong;
     EXPECT_FALSE(open_engine_channel("shm:" + std::string(65, 'a')));
+}
+
+/// Keeps the last packet that an engine gets.
+class KeptTransport final : public EngineTransport {
+public:
+    explicit KeptTransport(TouchPacket& last) : last_(last) {}
+    [[nodiscard]] std::string name() const override { return "kept"; }
+    [[nodiscard]] std::optional<UdpSocket::Received>
+    receive(std::span<std::byte> /*buffer*/) noexcept override
+    {
+        return {};
+    }
+    bool send(std::span<const std::byte, touch_packet_size> packet,
+              const UdpAddress& /*to*/) noexcept override
+    {
+        return decode(packet, last_) == PacketFault::none;
+    }
+    [[nodiscard]] bool keeps_packets() const noexcept override { return true; }
+
+private:
+    TouchPacket& last_;
+};
+
+// A cube that slides aside, below a hand that shakes until the guard damps and softens the cube.
+TEST(EngineLink, SaysAllOfATick)
+{
+    TwoCubes cubes;
+    const WorkspaceMap lifted{20, {0.1, 0.2, 0.3}};
+    auto renderer = make_haptic_renderer(cubes.scene, lifted, omni);
+    ASSERT_TRUE(renderer);
+    const SurfaceRenderer& parts = parts_of(*renderer);
+    TouchPacket packet;
+    EngineLink link(std::make_unique<KeptTransport>(packet));
+    const double root = std::sqrt(0.5);
+    std::size_t ramping = 0;
+    std::size_t holds[3] = {0, 0, 0};
+    for (std::uint64_t tick = 0; tick < 1200; ++tick) {
+        const bool is_last = tick == 1199;
+        const double swing = 1e-3 * std::sin(0.9 * static_cast<double>(tick));
+        const double z = tick < 300 ? 0.002 : swing - 0.001; // m, from the cube's upper side
+        if (tick == 300) {
+            ASSERT_TRUE(cubes.scene.move(ObjectId{0}, {at_place({0.3, 0, -1}), 1}));
+        }
+        DeviceState state;
+        state.pose = posed(std::acos(0), Vec3::UnitZ(), Vec3(0.0001, -0.01, z - 0.3 / 20));
+        state.buttons = 5;
+        state.condition = is_last ? InputCondition::frozen : InputCondition::well;
+        const RenderTick& felt = renderer->tick(state, tick_seconds);
+        link.send(*renderer, state, time_of(tick));
+        ASSERT_EQ(packet.sequence, tick + 1);
+        EXPECT_EQ(packet.nanoseconds, 5'000'000'000 + tick * 1'000'000);
+        EXPECT_EQ(packet.condition, is_last ? 3U : 0U);
+        EXPECT_EQ(packet.buttons, 5U);
+        EXPECT_EQ(packet.units_per_metre, 20);
+        EXPECT_EQ(packet.center, Vec3(0.1, 0.2, 0.3));
+        EXPECT_NEAR((packet.device - Vec3(0.102, 0, 20 * z)).norm(), 0, 1e-15);
+        const Eigen::Vector4d rotation(packet.rotation.data());
+        EXPECT_NEAR((rotation - Eigen::Vector4d(root, 0, 0, root)).norm(), 0, 1e-15);
+        EXPECT_EQ(packet.proxy, felt.proxy);
+        EXPECT_EQ(packet.anchor, felt.anchor);
+        EXPECT_EQ(packet.force, felt.force);
+        EXPECT_EQ(packet.torque, Vec3::Zero());
+        EXPECT_EQ(packet.force_scale, parts.guard().ramp());
+        EXPECT_EQ(packet.softness, parts.passivity().softness());
+        EXPECT_EQ(packet.added_damping, parts.passivity().added_damping());
+        const bool touches = z < 0;
+        ASSERT_EQ(packet.contact_count, touches ? 1U : 0U);
+        EXPECT_EQ(packet.hold != 0, touches);
+        EXPECT_EQ(packet.normal, Vec3(0, 0, touches ? 1 : 0));
+        EXPECT_NEAR(packet.depth, touches ? -20 * z : 0, 1e-12);
+        const Vec3 velocity(touches ? 0.3 / 20 : 0, 0, 0);
+        EXPECT_NEAR((packet.surface_velocity - velocity).norm(), 0, 1e-12);
+        for (std::size_t i = 0; i < packet.contact_count; ++i) {
+            EXPECT_EQ(packet.contacts[i].position, felt.contacts[i].position);
+            EXPECT_EQ(packet.contacts[i].normal, Vec3::UnitZ());
+            EXPECT_EQ(packet.contacts[i].pressure, felt.contacts[i].pressure);
+        }
+        ramping += packet.force_scale > 0 && packet.force_scale < 1 ? 1U : 0U;
+        ++holds[packet.hold];
+    }
+    EXPECT_GT(ramping, 200U);
+    EXPECT_GT(holds[1], 50U);
+    EXPECT_GT(holds[2], 50U);
+    EXPECT_LT(packet.softness, 0.5);
+    EXPECT_GT(packet.added_damping, 0.1);
+    EXPECT_GT(packet.contacts[0].pressure, 0);
+    EXPECT_GT((packet.anchor - packet.device).norm(), 0.005);
+}
+
+TEST(EngineLink, FlagsSayWhatBecameOfATick)
+{
+    TwoCubes cubes; // the upper side of the first one is z = 0
+    auto renderer = make_haptic_renderer(cubes.scene, map, omni);
+    ASSERT_TRUE(renderer);
+    TouchPacket packet;
+    EngineLink link(std::make_unique<KeptTransport>(packet));
+    std::uint64_t tick = 0;
+    const auto flags_at = [&](const Vec3& position) {
+        DeviceState state;
+        state.pose.translation = position;
+        (void)renderer->tick(state, tick_seconds);
+        link.send(*renderer, state, time_of(tick++));
+        return packet.flags;
+    };
+    EXPECT_EQ(flags_at({0, 0, -0.02}), 0U); // within the cube the proxy has no position
+    for (int i = 0; i < 300; ++i) EXPECT_EQ(flags_at({0, 0, 0.001}), 1U) << i;
+    // At 500 N/m. At most 3.3 N are allowed, and changes of 2 N a tick.
+    EXPECT_EQ(flags_at({0, 0, -0.002}), 1U);  // 1 N
+    EXPECT_EQ(flags_at({0, 0, -0.0055}), 1U); // 2.75 N
+    EXPECT_EQ(flags_at({0, 0, -0.0075}), 9U); // 3.75 N
+    EXPECT_EQ(flags_at({0, 0, -0.0075}), 9U);
+    EXPECT_EQ(flags_at({0, 0, -0.002}), 17U); // 1 N: 2.3 N less
+    EXPECT_EQ(flags_at({0, 0, -0.002}), 1U);
+    EXPECT_EQ(flags_at({0, 0, 0.001}), 1U);
+    EXPECT_EQ(flags_at({0, 0, 0.061}), 5U); // 6 cm in a tick
+    EXPECT_EQ(flags_at({0, 0, 0.061}), 1U);
+    // Another device between the cubes, the upper of which comes down onto the lower one.
+    renderer->reset();
+    ASSERT_TRUE(cubes.scene.move(ObjectId{1}, {at_place({0, 0, 1}), 0.2}));
+    std::uint32_t seen = 0;
+    for (int i = 0; i < 300; ++i) seen |= flags_at({0, 0, 0.01});
+    EXPECT_EQ(seen & 2U, 2U);
+}
+
+TEST(EngineLink, TheFirstPoseTakesTwentyMilliseconds)
+{
+    TwoCubes cubes;
+    const auto link = link_at("udp:0");
+    ScenePacket packet = scene_packet(1, time_of(0));
+    add_pose(packet, 0, {1, 0, -1});
+    give(*link, cubes.scene, packet, 0);
+    for (int i = 1; i <= 20; ++i) {
+        (void)cubes.scene.advance(tick_seconds);
+        EXPECT_NEAR(cubes.scene.pose(ObjectId{0}).translation.x(), 0.05 * i, 1e-12);
+    }
+}
+
+// A packet every 10 ms. From a second on each is under way 4 ms longer, and two seconds later this is no delay.
+TEST(EngineLink, TheQuickestPacketIsForgottenAfterTwoSeconds)
+{
+    TwoCubes cubes;
+    const auto link = link_at("udp:0");
+    for (std::uint64_t n = 0; n < 360; ++n) {
+        const bool is_late = n >= 100;
+        ScenePacket packet = scene_packet(n + 1, time_of(10 * n));
+        add_pose(packet, 0, {n % 2 == 0 ? 0.0 : 1.0, 0, -1});
+        give(*link, cubes.scene, packet, is_late ? 10 * n + 4 : 10 * n);
+        for (int i = 0; i < 6; ++i) (void)cubes.scene.advance(tick_seconds);
+        const double x = cubes.scene.pose(ObjectId{0}).translation.x();
+        const double gone = n % 2 == 0 ? 1 - x : x;
+        if (n >= 2 && n < 100) {
+            EXPECT_NEAR(gone, 0.6, 1e-9) << n;
+        }
+        if (n >= 100 && n < 190) {
+            EXPECT_NEAR(gone, 1, 1e-9) << n;
+        }
+        if (n >= 300) {
+            EXPECT_NEAR(gone, 0.6, 1e-9) << n;
+        }
+        for (int i = 0; i < 4; ++i) (void)cubes.scene.advance(tick_seconds);
+    }
 }
 
 } // namespace

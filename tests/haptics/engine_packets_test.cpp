@@ -98,29 +98,58 @@ TEST(EnginePackets, ScenesAreLaidOutAsDocumented)
 TEST(EnginePackets, TouchIsLaidOutAsDocumented)
 {
     TouchPacket packet;
-    packet.unsent = 5;
-    packet.condition = 3;
+    // Each number is the offset where the documentation has it, but for the number of contacts.
+    packet.session = 8;
+    packet.sequence = 16;
+    packet.nanoseconds = 24;
+    packet.engine_session = 32;
+    packet.engine_sequence = 40;
+    packet.engine_nanoseconds = 48;
+    packet.accepted = 56;
+    packet.lost = 64;
+    packet.refused = 72;
+    packet.refused_objects = 80;
+    packet.unsent = 88;
+    packet.condition = 96;
+    packet.flags = 100;
+    packet.hold = 104;
     packet.contact_count = 2;
-    packet.buttons = 6;
-    packet.units_per_metre = 7;
-    packet.proxy = {8, 9, 10};
-    packet.force = {11, 12, 13};
-    packet.added_damping = 14;
-    packet.contacts[2].triangle = 15;
-    packet.contacts[2].pressure = 16;
+    packet.buttons = 112;
+    packet.units_per_metre = 120;
+    packet.center = {128, 136, 144};
+    packet.device = {152, 160, 168};
+    packet.rotation = {176, 184, 192, 200};
+    packet.proxy = {208, 216, 224};
+    packet.anchor = {232, 240, 248};
+    packet.force = {256, 264, 272};
+    packet.torque = {280, 288, 296};
+    packet.normal = {304, 312, 320};
+    packet.depth = 328;
+    packet.surface_velocity = {336, 344, 352};
+    packet.force_scale = 360;
+    packet.softness = 368;
+    packet.added_damping = 376;
+    packet.contacts = {PacketContact{384, 388, {392, 400, 408}, {416, 424, 432}, 440},
+                       PacketContact{448, 452, {456, 464, 472}, {480, 488, 496}, 504},
+                       PacketContact{512, 516, {520, 528, 536}, {544, 552, 560}, 568}};
     std::array<std::byte, touch_packet_size> bytes;
     encode(packet, bytes);
+    static_assert(sizeof bytes == 576);
     EXPECT_EQ(std::memcmp(bytes.data(), "PXTO\x02\0\x40\x02", 8), 0);
-    EXPECT_EQ(whole_at(bytes, 88), 5U);
-    EXPECT_EQ(whole_at(bytes, 96), 3U);
-    EXPECT_EQ(whole_at(bytes, 108), 2U);
-    EXPECT_EQ(whole_at(bytes, 112), 6U);
-    EXPECT_EQ(number_at(bytes, 120), 7);
-    EXPECT_EQ(number_at(bytes, 208), 8);
-    EXPECT_EQ(number_at(bytes, 256), 11);
-    EXPECT_EQ(number_at(bytes, 376), 14);
-    EXPECT_EQ(whole_at(bytes, 384 + 2 * 64 + 4), 15U);
-    EXPECT_EQ(number_at(bytes, 568), 16);
+    const auto has = [&](std::size_t at, const auto& wanted) {
+        EXPECT_EQ(std::memcmp(bytes.data() + at, &wanted, sizeof wanted), 0) << at;
+    };
+    for (std::uint64_t at = 8; at < 96; at += 8) has(at, at);
+    for (const std::uint32_t at : {96U, 100U, 104U, 112U}) has(at, at);
+    has(108, std::uint32_t{2});
+    has(116, std::uint32_t{0});
+    for (std::size_t at = 120; at < 384; at += 8) has(at, static_cast<double>(at));
+    for (const std::uint32_t contact : {384U, 448U, 512U}) {
+        has(contact, contact);
+        has(contact + 4, contact + 4);
+        for (std::size_t at = contact + 8; at < contact + 64; at += 8)
+            has(at, static_cast<double>(at));
+    }
 }
 
 TEST(EnginePackets, SurviveEncodingAndDecoding)

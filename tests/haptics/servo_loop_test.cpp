@@ -196,11 +196,13 @@ TEST(ServoLoop, CountsWhatItOverslept)
     EXPECT_LE(seen.overslept, seen.missed);
 }
 
-/// Page faults of this thread so far, as the system tells.
+/// Page faults of this thread so far, where the system tells.
 std::uint64_t page_faults()
 {
     rusage usage{};
+#ifdef RUSAGE_THREAD
     getrusage(RUSAGE_THREAD, &usage);
+#endif
     return static_cast<std::uint64_t>(usage.ru_minflt + usage.ru_majflt);
 }
 

@@ -60,6 +60,7 @@ TEST(HdDevice, TouchesInTheCallbackOfTheDriver)
     EXPECT_EQ(stub.state.forces, static_cast<long>(ticks));
     EXPECT_GT(stub.state.largest_force, 1.0);
     EXPECT_EQ(session.input.faulty_ticks, 0U);
+    EXPECT_EQ(session.input.velocities, 0U);
     EXPECT_EQ((*device)->trouble(), "");
     EXPECT_EQ(stub.state.forces_enabled, 1);
     device->reset();
@@ -283,6 +284,7 @@ TEST(DhdDevice, TouchesByPolling)
     EXPECT_GT(stub.state.largest_force, 1.0);
     EXPECT_EQ(stub.state.bad_forces, 0);
     EXPECT_EQ(session.input.faulty_ticks, 0U);
+    EXPECT_EQ(session.input.velocities, 0U);
     EXPECT_EQ(stub.state.forces_enabled, 1);
     device->reset();
     EXPECT_EQ(stub.state.last_force, 0);
@@ -308,7 +310,7 @@ TEST(DhdDevice, ReportsHowItIsTurnedWhereItHasAWrist)
 
 TEST(DhdDevice, SaysWhoseLimitsAnUnknownModelHas)
 {
-    setenv("PROXIMA_STUB", "unknown=1", 1);
+    setenv("PROXIMA_STUB", "model=1", 1);
     auto device = open_dhd_device({.library = STUB_DHD});
     unsetenv("PROXIMA_STUB");
     ASSERT_TRUE(device) << describe(device.error());
@@ -382,6 +384,78 @@ TEST(DhdDevice, IsClosedWhereItsForcesCannotBeEnabled)
               std::string::npos)
         << failing.error().message;
     EXPECT_EQ(stub.state.open_devices, 0);
+}
+
+TEST(HdDevice, IsNotOpenedBeforeAUserCalibratesIt)
+{
+    Stub stub(STUB_HD);
+    ::setenv("PROXIMA_STUB", "needs_hands=1", 1);
+    const auto device = open_hd_device({.library = STUB_HD});
+    ::unsetenv("PROXIMA_STUB");
+    ASSERT_FALSE(device);
+    EXPECT_EQ(device.error().code, ErrorCode::limit_exceeded);
+    EXPECT_NE(device.error().message.find("not calibrated: put its stylus into the inkwell"),
+              std::string::npos)
+        << device.error().message;
+    EXPECT_EQ(stub.state.open_devices, 0);
+    EXPECT_TRUE(open_hd_device({.library = STUB_HD_LEAN})); // a driver that is not asked
+}
+
+// The row of docs/devices.md.
+TEST(HdDevice, HasTheLimitsOfATouchWhereTheDriverReportsNone)
+{
+    ::setenv("PROXIMA_STUB", "no_limits=1", 1);
+    const auto device = open_hd_device({.library = STUB_HD});
+    ::unsetenv("PROXIMA_STUB");
+    ASSERT_TRUE(device) << describe(device.error());
+    const DeviceLimits& limits = (*device)->info().limits;
+    EXPECT_EQ(limits.max_force, 3.3);
+    EXPECT_NEAR(limits.max_stiffness, 400, 1e-9);
+    EXPECT_NEAR(limits.max_damping, 4, 1e-12);
+    EXPECT_NEAR(limits.workspace_radius, 0.075, 1e-15);
+}
+
+// The rows of docs/devices.md.
+TEST(DhdDevice, HasTheLimitsOfItsModel)
+{
+    struct Model {
+        const char* number;
+        const char* name;
+        DeviceLimits limits;
+    };
+    const Model models[] = {{"model=0", "omega.3 (stub)", {"omega", 12, 5000, 30, 0.075}},
+                            {"model=2", "FALCON", {"falcon", 8, 3000, 20, 0.04}},
+                            {"model=3", "delta.3", {"delta", 20, 5000, 30, 0.15}}};
+    for (const Model& model : models) {
+        ::setenv("PROXIMA_STUB", model.number, 1);
+        const auto device = open_dhd_device({.library = STUB_DHD});
+        ::unsetenv("PROXIMA_STUB");
+        ASSERT_TRUE(device) << describe(device.error());
+        EXPECT_EQ((*device)->info().model, std::string("Force Dimension ") + model.name);
+        const DeviceLimits& limits = (*device)->info().limits;
+        EXPECT_EQ(limits.name, model.limits.name);
+        EXPECT_EQ(limits.max_force, model.limits.max_force);
+        EXPECT_EQ(limits.max_stiffness, model.limits.max_stiffness);
+        EXPECT_EQ(limits.max_damping, model.limits.max_damping);
+        EXPECT_EQ(limits.workspace_radius, model.limits.workspace_radius);
+    }
+}
+
+TEST(DhdDevice, DoesWithOneButtonOfOlderDrivers)
+{
+    Stub stub(STUB_DHD_LEAN);
+    const auto device = open_dhd_device({.library = STUB_DHD_LEAN});
+    ASSERT_TRUE(device) << describe(device.error());
+    const DeviceInfo& info = (*device)->info();
+    EXPECT_EQ(info.buttons, 1);
+    EXPECT_EQ(info.serial, "");
+    EXPECT_FALSE(info.rotates);
+    stub.state.press = 3; // the stub counts from 1, and holds the button for 100 ticks
+    for (int tick = 1; tick <= 104; ++tick) {
+        const DeviceState state = (*device)->read().state;
+        EXPECT_EQ(state.buttons, tick >= 3 && tick <= 102 ? 1U : 0U) << tick;
+        EXPECT_EQ(state.pose.rotation, Mat3::Identity());
+    }
 }
 
 } // namespace

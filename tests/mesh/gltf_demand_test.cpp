@@ -137,6 +137,34 @@ TEST_F(GltfDemand, RefusesGeometryThatWouldBeReadWrong)
     }
 }
 
+TEST_F(GltfDemand, ReadsStripsAndFansOfOneTriangle)
+{
+    for (const int mode : {4, 5, 6}) {
+        const Scene scene{.primitives =
+                              concat(R"({"attributes":{"POSITION":0},"mode":)", mode, "}")};
+        const auto mesh = read_text(glb_of(json_of(scene)), MeshFormat::glb);
+        ASSERT_TRUE(mesh) << describe(mesh.error());
+        EXPECT_EQ(mesh->triangle_count(), 1U) << mode;
+    }
+}
+
+/// The product of the scales has no double's determinant.
+TEST_F(GltfDemand, TurnsWhatTinyNodesMirror)
+{
+    const auto normal_of = [](const char* scale) {
+        const std::string node = concat(R"({"children":[1],"scale":)", scale, "},");
+        const Scene scene{.nodes = node + R"({"children":[2],"scale":[1e-37,1e-37,1e-37]},)" +
+                                   R"({"children":[3],"scale":[1e-37,1e-37,1e-37]},{"mesh":0})"};
+        const TriangleMesh mesh = read_text(glb_of(json_of(scene)), MeshFormat::glb).value();
+        std::array<Vec3, 3> corners = mesh.triangle(TriangleId{0}).vertices;
+        for (Vec3& corner : corners) corner *= 0x1p368;
+        return scaled_normal({corners}).normalized();
+    };
+    // The triangle (0,0,0), (1,0,0), (0,1,0); mirrored in x it would face down.
+    EXPECT_GT(normal_of("[1e-37,1e-37,1e-37]").z(), 0.5);
+    EXPECT_GT(normal_of("[-1e-37,1e-37,1e-37]").z(), 0.5);
+}
+
 TEST_F(GltfDemand, RefusesScenesBeyondTheBudget)
 {
     std::string doubling;

@@ -170,6 +170,57 @@ TEST(MeshIoErrors, TakeCarriageReturnsInBinaryFiles)
     EXPECT_EQ(ply->vertex_count(), 1U);
 }
 
+TEST(MeshIoErrors, TakeOneLineEndBehindBinaryPly)
+{
+    const std::string text =
+        file_content(fs::path(PROXIMA_SOURCE_DIR) / "fuzz/corpus/ply/little.ply");
+    for (const char* end : {"\n", "\r\n"})
+        EXPECT_TRUE(read_text(text + end, MeshFormat::ply)) << end;
+    for (const char* end : {"\n\n", "\r", " "})
+        EXPECT_FALSE(read_text(text + end, MeshFormat::ply)) << end;
+}
+
+TEST(MeshIoErrors, TakeTextPlyWithoutALastLineEnd)
+{
+    const auto ply = read_text("ply\nformat ascii 1.0\nelement vertex 1\nproperty int x\n"
+                               "property int y\nproperty int z\nend_header\n0 0 0",
+                               MeshFormat::ply);
+    ASSERT_TRUE(ply) << describe(ply.error());
+    EXPECT_EQ(ply->vertex_count(), 1U);
+}
+
+TEST(MeshIoErrors, RefusePlyHeadersOfTooManyLines)
+{
+    std::string elements = "ply\nformat ascii 1.0\n";
+    std::string properties = elements + "element vertex 0\n";
+    for (int i = 0; i < 10'100; ++i) {
+        if (i < 1'100) elements += concat("element a", i, " 0\n");
+        properties += concat("property int a", i, "\n");
+    }
+    for (const std::string& text : {elements, properties}) {
+        const Error error = error_of(text + "end_header\n", MeshFormat::ply);
+        EXPECT_EQ(error.code, ErrorCode::limit_exceeded);
+        EXPECT_NE(error.message.find("more than"), std::string::npos) << error.message;
+    }
+}
+
+TEST(MeshIoErrors, CountTheNumbersOfObjVertices)
+{
+    for (const char* numbers : {"0 0 0", "0 0 0 1", "0 0 0 1 1 1", "0 0 0 1 1 1 0.5"})
+        EXPECT_TRUE(read_text(concat("v ", numbers, "\n"), MeshFormat::obj)) << numbers;
+    for (const char* numbers : {"0 0", "0 0 0 1 1", "0 0 0 1 1 1 1 1"})
+        EXPECT_FALSE(read_text(concat("v ", numbers, "\n"), MeshFormat::obj)) << numbers;
+}
+
+TEST(MeshIoErrors, PassOverContinuedStatementsOfAnyLineEnd)
+{
+    for (const std::string end : {"\n", "\r\n"}) {
+        const std::string text = "v 0 0 0" + end + "v 1 0 0" + end + "v 0 1 0" + end + "vn 0 0 \\" +
+                                 end + " 1" + end + "f 1 2 3" + end;
+        EXPECT_TRUE(read_text(text, MeshFormat::obj)) << text;
+    }
+}
+
 TEST(MeshIoErrors, NameTheByteOfBinaryPly)
 {
     std::string text = file_content(fs::path(PROXIMA_SOURCE_DIR) / "fuzz/corpus/ply/little.ply");

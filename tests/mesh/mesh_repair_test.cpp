@@ -321,5 +321,43 @@ TEST(MeshRepair, RefusesWrongOptions)
     EXPECT_EQ(small.error().code, ErrorCode::budget_exceeded);
 }
 
+TEST(MeshRepair, TurnsPartsBesideWhatIsFarAway)
+{
+    Draft draft = cube_draft();
+    for (TriangleCorners& corners : draft.triangles) std::swap(corners[0], corners[1]);
+    draft.positions.emplace_back(1.7e308, 0, 0); // of no triangle
+    const auto turned_by = [](const Draft& of, const MeshRepairOptions& options) {
+        return count(repaired(of.mesh(), options), Kind::turn_outward);
+    };
+    EXPECT_EQ(turned_by(draft, {.drop_unused_vertices = false}), 1U);
+    draft.positions.back() = {1e110, 0, 0};
+    draft.positions.emplace_back(1e110, 1e100, 0);
+    draft.positions.emplace_back(1e110, 0, 1e100);
+    draft.triangles.push_back({8, 9, 10});
+    EXPECT_EQ(turned_by(draft, {}), 1U);
+}
+
+TEST(MeshRepair, DropsSmallComponentsOfAnySize)
+{
+    for (const double size : {1e-300, 1e-170, 1.0, 1e160, 1e300}) {
+        Draft draft = cube_draft();
+        draft.add(make_cube(), Vec3(5, 0, 0), 0.5); // a quarter of the area
+        for (Vec3& p : draft.positions) p *= size;
+        const auto left = [&](double area) {
+            return repaired(draft.mesh(), {.min_component_area = area}).mesh;
+        };
+        EXPECT_EQ(left(0.24).triangle_count(), 24U) << size;
+        EXPECT_EQ(left(0.26).triangle_count(), 12U) << size;
+    }
+}
+
+TEST(MeshRepair, LeavesTheFirstOfTwoThatDisagreeAsItIs)
+{
+    Draft draft;
+    draft.positions = {Vec3(0, 0, 0), Vec3(1, 0, 0), Vec3(0, 1, 0), Vec3(1, 1, 0)};
+    draft.triangles = {{0, 1, 2}, {1, 2, 3}};
+    EXPECT_EQ(repaired(draft.mesh()).turned, (std::vector<std::uint8_t>{0, 1}));
+}
+
 } // namespace
 } // namespace proxima::mesh_repair_test

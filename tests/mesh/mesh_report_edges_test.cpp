@@ -59,6 +59,7 @@ TEST(MeshReport, FindsNonManifoldEdges)
     EXPECT_FALSE(found.genus);
     EXPECT_EQ(outlook(found, QueryKind::sign), Outlook::with_care);
     EXPECT_EQ(outlook(found, QueryKind::cell_classes), Outlook::works);
+    EXPECT_EQ(outlook(found, QueryKind::intersection), Outlook::with_care);
 
     Draft flap = cube_draft(); // a third triangle on an edge: neither closed nor without border
     flap.positions.emplace_back(5, 0, 0);

@@ -118,6 +118,37 @@ TEST(MeshReport, KnowsNoSideOfFlatParts)
     }
 }
 
+TEST(MeshReport, KnowsSidesOfPartsBesideMuchLargerOnes)
+{
+    for (const double size : {1e-30, 1e-90, 1e-200, 1e-300}) {
+        const auto beside_a_cube = [&](Draft small) {
+            for (Vec3& p : small.positions) p *= size;
+            return report(small.add(make_cube(), Vec3(5, 0, 0)));
+        };
+        Draft inward = cube_draft();
+        for (TriangleCorners& corners : inward.triangles) std::swap(corners[0], corners[1]);
+        EXPECT_EQ(beside_a_cube(cube_draft()).orientation, Orientation::outward) << size;
+        EXPECT_EQ(beside_a_cube(inward).orientation, Orientation::mixed) << size;
+        EXPECT_DOUBLE_EQ(beside_a_cube(inward).signed_volume.value(), 8) << size;
+        // Flat ones, whose volume is mere rounding.
+        for (unsigned seed = 0; seed < 20; ++seed) {
+            SCOPED_TRACE(seed);
+            std::mt19937 random(seed);
+            std::uniform_real_distribution<double> coordinate(-1, 1);
+            const auto vector = [&] {
+                return Vec3(coordinate(random), coordinate(random), coordinate(random));
+            };
+            const Vec3 at = vector();
+            const Vec3 u = vector();
+            const Vec3 v = vector();
+            Draft flat;
+            flat.positions = {at, at + u, at + v, at + u + v};
+            flat.triangles = {{0, 1, 2}, {1, 3, 2}, {0, 2, 1}, {1, 2, 3}};
+            EXPECT_EQ(beside_a_cube(flat).orientation, Orientation::undefined) << size;
+        }
+    }
+}
+
 TEST(MeshReport, DescribesAnEmptyMesh)
 {
     const MeshReport found = report(TriangleMesh());
@@ -310,6 +341,7 @@ TEST(MeshReport, DecidesZeroAreaExactly)
     const MeshFinding* finding = found.find(FindingKind::zero_area_triangles);
     ASSERT_NE(finding, nullptr);
     EXPECT_EQ(finding->first_ids, Ids{0});
+    EXPECT_EQ(outlook(found, QueryKind::rays), Outlook::with_care);
     EXPECT_EQ(found.find(FindingKind::degenerate_triangles), nullptr);
 }
 
@@ -320,6 +352,7 @@ TEST(MeshReport, FindsDuplicateAndCoincidentTriangles)
     duplicate.triangles.push_back({2, 0, 3}); // and the other way round
     const MeshReport found = report(duplicate);
     EXPECT_EQ(found.find(FindingKind::duplicate_triangles)->first_ids, (Ids{12, 13}));
+    EXPECT_EQ(outlook(found, QueryKind::cell_classes), Outlook::with_care);
     EXPECT_EQ(found.find(FindingKind::coincident_triangles), nullptr);
     EXPECT_EQ(found.find(FindingKind::non_manifold_edges)->count, 3U);
 
@@ -385,6 +418,7 @@ TEST(MeshReport, HasNoOrientationWithAFlatPart)
     const MeshReport found = report(draft);
     EXPECT_TRUE(found.closed);
     EXPECT_EQ(found.orientation, Orientation::undefined);
+    EXPECT_EQ(outlook(found, QueryKind::sign), Outlook::with_care);
 }
 
 TEST(MeshReport, AsksAboutWeldingOnlyWhereThereAreDuplicates)

@@ -120,8 +120,9 @@ TEST_F(MeshWriterTest, StlReadsBackCornerByCorner)
 
 TEST_F(MeshWriterTest, BinaryStlRoundsToFloat)
 {
-    const TriangleMesh written = mesh_of(
-        {{0.1, 0.30000000000000004, -0.0}, {1e-50, 3e38, 1}, {-HUGE_VAL, std::nan(""), 2}}, {{0, 1, 2}});
+    const TriangleMesh written =
+        mesh_of({{0.1, 0.30000000000000004, -0.0}, {1e-50, 3e38, 1}, {-HUGE_VAL, std::nan(""), 2}},
+                {{0, 1, 2}});
     ASSERT_TRUE(write_mesh(written, path("mesh.stl")));
     EXPECT_EQ(fs::file_size(path("mesh.stl")), 134U);
     const auto read = read_mesh(path("mesh.stl"), {.weld = Weld::never});
@@ -150,9 +151,10 @@ TEST_F(MeshWriterTest, RefusesWhatBinaryStlCannotHold)
 
 TEST_F(MeshWriterTest, WritesUnitNormalsOfAnyScale)
 {
-    for (const double scale : {1e-160, 1.0, 1e150}) {
+    for (const double scale : {1e-160, 1.0, 1e150, 1e-300}) {
+        const double height = scale == 1e-300 ? 1 : scale; // and one that is thin
         const TriangleMesh mesh =
-            mesh_of({{0, 0, 0}, {scale, 0, 0}, {0, scale, 0}}, {{0, 1, 2}, {0, 0, 1}});
+            mesh_of({{0, 0, 0}, {scale, 0, 0}, {0, height, 0}}, {{0, 1, 2}, {0, 0, 1}});
         ASSERT_TRUE(write_mesh(mesh, path("mesh.stl"), {.stl = StlEncoding::ascii}));
         const std::string text = file_content(path("mesh.stl"));
         EXPECT_NE(text.find("facet normal 0 0 1\n"), std::string::npos) << text;

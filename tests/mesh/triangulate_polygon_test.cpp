@@ -80,6 +80,23 @@ TEST(TriangulatePolygon, CutsAnArrowAlongItsInnerDiagonalFromEveryStart)
     }
 }
 
+TEST(TriangulatePolygon, CutsAnArrowOfAnySize)
+{
+    for (std::size_t start = 0; start < 4; ++start) {
+        std::vector<Vec3> arrow{{0, 0, 0}, {2, 1, 0}, {0, 2, 0}, {0.5, 1, 0}};
+        std::rotate(arrow.begin(), arrow.begin() + static_cast<std::ptrdiff_t>(start), arrow.end());
+        const auto usual = triangulate(arrow);
+        for (const int exponent : {-1040, -700, -560, -210, 210, 560, 660, 1020}) {
+            std::vector<Vec3> scaled;
+            for (const Vec3& p : arrow) {
+                scaled.emplace_back(std::ldexp(p.x(), exponent), std::ldexp(p.y(), exponent),
+                                    std::ldexp(1.0, exponent));
+            }
+            EXPECT_EQ(triangulate(scaled), usual) << exponent;
+        }
+    }
+}
+
 // Star-shaped around the origin, so simple, with spikes; in a random plane far from the origin.
 TEST(TriangulatePolygon, CoversRandomConcavePolygonsOnce)
 {

@@ -181,6 +181,39 @@ TEST(ConvexHull, UnboundedHullsHaveTheirRaysInLoops)
     EXPECT_EQ(half_line.points()[0], Vec3(5, 0, 0));
 }
 
+TEST(ConvexHull, SupportNamesAPointThatReachesFarthest)
+{
+    const auto cube = test::hull_of(test::cube_points(1));
+    for (int i = 0; i < 125; ++i) {
+        const Vec3 n(i % 5 - 2, i / 5 % 5 - 2, i / 25 - 2);
+        const PolyhedronSupport found = cube.support(n);
+        EXPECT_EQ(found.value, n.cwiseAbs().sum()) << n.transpose();
+        EXPECT_EQ(n.dot(cube.vertex(found.vertex)), found.value) << n.transpose();
+    }
+}
+
+/// A cone's tip is in all its planes, and rays slide along them but for rounding.
+TEST(ConvexHull, NoRayReachesBeyondItsOwnFacets)
+{
+    const Vec3 tip(3, -2, 1);
+    for (unsigned seed = 0; seed < 100; ++seed) {
+        SCOPED_TRACE(seed);
+        std::mt19937 random(seed);
+        std::uniform_real_distribution<double> coordinate(0.5, 1.5);
+        Points rays(4);
+        for (Vec3& r : rays) r = {coordinate(random), coordinate(random), coordinate(random)};
+        const auto cone = test::hull_of({tip}, rays);
+        ASSERT_GE(cone.facet_count(), 3U);
+        for (std::uint32_t f = 0; f < cone.facet_count(); ++f) {
+            const Vec3 normal = cone.half_space(f).normal;
+            EXPECT_DOUBLE_EQ(cone.support(normal).value, normal.dot(tip));
+            // Tilted toward a ray, by little but not by rounding.
+            EXPECT_EQ(cone.support(normal + 1e-9 * rays[0]).value,
+                      std::numeric_limits<double>::infinity());
+        }
+    }
+}
+
 /// A ray that waits is held against some 25 faces, whatever the order and the lengths.
 TEST(ConvexHull, RaysInOrderRoundAConeTakeNoMoreTrialsThanOthers)
 {

@@ -320,6 +320,27 @@ TEST(PolyhedronOfMesh, IgnoresOrientationAndUnusedVertices)
     EXPECT_EQ(polyhedron->points().size(), 8U);
 }
 
+TEST(PolyhedronOfMesh, NamesAVertexThatIsTooFarAwayByItsNumberInTheMesh)
+{
+    const TriangleMesh mesh = mesh_of({{5, 5, 5}, {0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1e91}},
+                                      {{1, 3, 2}, {1, 2, 4}, {1, 4, 3}, {2, 3, 4}});
+    const auto polyhedron = polyhedron_of_mesh(mesh);
+    ASSERT_FALSE(polyhedron);
+    EXPECT_EQ(polyhedron.error().code, ErrorCode::limit_exceeded);
+    EXPECT_NE(message_of(polyhedron).find("vertex 4"), std::string::npos) << message_of(polyhedron);
+}
+
+TEST(PolyhedronOfBox, RefusesEmptyBoxes)
+{
+    const Vec3 ones = Vec3::Ones();
+    for (const Vec3& below : {ones, Vec3(1, 0, 0), Vec3(0, 1, 0), Vec3(0, 0, 1)}) {
+        const auto box = polyhedron_of_box({below, ones - below});
+        ASSERT_FALSE(box) << below.transpose();
+        EXPECT_EQ(box.error().code, ErrorCode::invalid_argument) << below.transpose();
+    }
+    EXPECT_EQ(polyhedron_of_box({Vec3::Zero(), ones})->facet_count(), 6U);
+}
+
 /// Every corner is in all half-spaces, and every half-space that matters is reached.
 TEST(PolyhedronOfHalfSpaces, RecoversAHull)
 {

@@ -164,6 +164,58 @@ TEST(SumQueries, DistancesScaleExactly)
     }
 }
 
+TEST(SumQueries, DistancesAreThoseOfFiniteCornersWhereOthersOverflow)
+{
+    // Of half sizes 1e310, which is no double, 1e300 and 1e300.
+    const auto box = polyhedron_of_box({{-1e10, -1, -1}, {1e10, 1, 1}}).value();
+    const auto sum = minkowski_sum(test::hull_of({{0, 0, 0}}), box)->scaled(1e300);
+    const SurfacePoint center = signed_distance(sum, Vec3::Zero());
+    EXPECT_DOUBLE_EQ(center.distance, -1e300);
+    EXPECT_EQ(center.direction.x(), 0);
+    const SurfacePoint higher = signed_distance(sum, {0, 0.25e300, 0.5e300});
+    EXPECT_DOUBLE_EQ(higher.distance, -0.5e300);
+    EXPECT_EQ(higher.direction, Vec3(0, 0, 1));
+}
+
+/// Corners are in the sum exactly, whatever their heights above its planes are rounded to.
+TEST(SumQueries, NoCornerIsOutside)
+{
+    for (unsigned seed = 0; seed < 20; ++seed) {
+        SCOPED_TRACE(seed);
+        std::mt19937 random(seed);
+        std::uniform_real_distribution<double> coordinate(-1, 1);
+        Points points(40);
+        for (Vec3& p : points) p = {coordinate(random), coordinate(random), coordinate(random)};
+        const auto sum = *minkowski_sum(test::hull_of(points), test::hull_of({{0, 0, 0}}));
+        for (std::uint32_t v = 0; v < sum.vertex_count(); ++v) {
+            const double distance = signed_distance(sum, sum.position(v)).distance;
+            EXPECT_LE(distance, 0);
+            EXPECT_GE(distance, -1e-14);
+        }
+    }
+}
+
+TEST(SumQueries, NothingEndsTheWayAlongARay)
+{
+    constexpr double infinity = std::numeric_limits<double>::infinity();
+    for (unsigned seed = 0; seed < 100; ++seed) {
+        SCOPED_TRACE(seed);
+        std::mt19937 random(seed);
+        std::uniform_real_distribution<double> coordinate(0.9, 1.1);
+        Points rays(3);
+        for (Vec3& r : rays) r = {coordinate(random), coordinate(random), coordinate(random)};
+        const auto cone = test::hull_of({{0, 0, 0}}, rays);
+        const auto sum = *minkowski_sum(cone, test::hull_of({{0, 0, 0}}));
+        const auto rounded = *minkowski_sum(cone, test::hull_of(test::cube_points(1)));
+        for (const Vec3& r : rays) {
+            EXPECT_EQ(directional_depth(sum, r, r.normalized()), infinity);
+            EXPECT_EQ(directional_depth(rounded, r, r.normalized()), infinity);
+            // Back to the tip, which is in all planes.
+            EXPECT_NEAR(directional_depth(sum, r, -r.normalized()).value(), r.norm(), 1e-12);
+        }
+    }
+}
+
 TEST(SumQueries, UnboundedSumsHaveDistancesToo)
 {
     // A quadrant of columns: x, y >= 0, grown by a cube.

@@ -151,6 +151,22 @@ TEST(WindingNumber, TellsTheSidesOfAFaceApartWhereDoublesEnd)
     EXPECT_GT(sides[1], 1000);
 }
 
+TEST(WindingNumber, IsThatOfOutsideAllButAtACorner)
+{
+    const TriangleMesh cube = cube_mesh(Vec3(0.5, 0.5, 0.5), 0.5);
+    for (const double size : {1e-100, 1e-163, 1e-200, 1e-300}) {
+        const Vec3 outside = size * Vec3(3, -1, 2);
+        const Vec3 inside = size * Vec3(1, 1, 1);
+        EXPECT_NEAR(brute_winding_number(cube, outside), 0, 1e-12) << size;
+        EXPECT_NEAR(brute_winding_number(cube, inside), 1, 1e-12) << size;
+    }
+    // A triangle so thin that nothing of its angle is left.
+    const TriangleMesh sliver =
+        mesh_of({Vec3(0, 0, 0), Vec3(1, 0, 0), Vec3(1, 1e-200, 0)}, {{0, 1, 2}});
+    for (const double height : {1e-200, 1e-320})
+        EXPECT_NEAR(brute_winding_number(sliver, Vec3(0, 0, height)), 0, 0.5) << height;
+}
+
 TEST(WindingNumber, CountsAHalfAsInside)
 {
     // The centre of the disc that closes a half sphere: exactly 1/2 by symmetry.

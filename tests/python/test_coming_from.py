@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 import proxima
+from proxima.compat import igl
 
 PAGE = (Path(__file__).resolve().parents[2] / "docs/coming_from.md").read_text()
 SECTIONS = {heading: re.findall(r"```python\n(.*?)```", text, re.DOTALL)
@@ -62,3 +63,16 @@ def test_theirs_says_the_same(library):
             assert np.abs(own[name] - other[name]).max() < 1e-4, name  # theirs are floats
     if "inside" in own:
         assert np.array_equal(own["inside"], other["inside"])
+
+
+def test_libigl_s_numbers_are_taken_for_its_names():
+    """Those of its enum SignedDistanceType."""
+    for number, name in enumerate(("PSEUDONORMAL", "WINDING_NUMBER", "DEFAULT", "UNSIGNED", "FAST_WINDING_NUMBER")):
+        assert getattr(igl, f"SIGNED_DISTANCE_TYPE_{name}") == number
+    vertices, faces, points = given().values()
+    truth = torus(points)
+    sure = np.abs(truth) > 0.01
+    for number in range(5):
+        answers = igl.signed_distance(points.astype("f4"), vertices, faces.astype("i4"), number)
+        assert [column.dtype for column in answers] == ["f4", "i4", "f4"]
+        assert np.array_equal(answers[0][sure] < 0, truth[sure] < 0) == (number != 3)

@@ -71,6 +71,78 @@ def test_trimesh_inside_of_clockwise_and_nested_meshes(mesh, points):
         assert np.array_equal(trimesh.ProximityQuery(given).signed_distance(points) > 0, expected) and expected.any()
 
 
+def flipped(mesh, triangles):
+    """The mesh with some triangles reversed."""
+    faces = np.array(mesh.faces)
+    faces[triangles] = faces[triangles, ::-1]
+    return SimpleNamespace(vertices=mesh.vertices, faces=faces)
+
+
+def insides(given, points):
+    """Whether points are inside, in three ways of both libraries."""
+    scene = open3d.RaycastingScene()
+    scene.add_triangles(given.vertices, given.faces)
+    return (trimesh.RayMeshIntersector(given).contains_points(points), trimesh.ProximityQuery(given).signed_distance(points) > 0,
+            scene.compute_occupancy(points) == 1)
+
+
+def test_inside_of_meshes_with_triangles_that_face_the_other_way(mesh, points):
+    """As rays that count crossings have it, which ask no triangle where it faces."""
+    cube, height = proxima.Mesh.sample("cube"), np.array([0.05, 0.5, 0.95])[:, None]
+    for triangle in range(12):
+        centroid = cube.vertices[cube.faces[triangle]].mean(axis=0)
+        for found in insides(flipped(cube, [triangle]), np.concatenate((centroid * (1 - height), centroid * (1 + height)))):
+            assert found.tolist() == [True] * 3 + [False] * 3, triangle
+    inside = oracles.winding_numbers(mesh, points) > 0.5
+    some = np.random.default_rng(5).permutation(len(mesh.faces))
+    for count in (1, 20, 200, 400):
+        for found in insides(flipped(mesh, some[:count]), points):
+            assert np.array_equal(found, inside) and found.any()
+    # A ball in a ball, a tenth of the triangles of both reversed: a shell. Then without the triangles about its upper pole: open.
+    ball = proxima.Mesh.sample("icosphere:3")
+    two = proxima.Mesh(np.concatenate((ball.vertices, ball.vertices / 2)), np.concatenate((ball.faces, ball.faces + len(ball.vertices))))
+    radius = np.linalg.norm(points, axis=1)
+    sure = np.minimum(np.abs(radius - 1), np.abs(radius - 0.5)) > 0.02
+    for found in insides(flipped(two, np.arange(0, len(two.faces), 10)), points[sure]):
+        assert np.array_equal(found, ((radius < 1) & (radius > 0.5))[sure]) and found.any()
+    cut = proxima.Mesh(ball.vertices, ball.faces[oracles.corners(ball).mean(axis=1)[:, 2] < 0.95])
+    low = points[sure & (points[:, 2] < 0)]
+    for found in insides(flipped(cut, np.arange(0, len(cut.faces), 10)), low):
+        assert np.array_equal(found, np.linalg.norm(low, axis=1) < 1) and found.any()
+
+
+@pytest.mark.parametrize("size", [1e-150, 1e-110, 1e-30, 1, 1e100, 1e103, 1e150])
+def test_inside_of_clockwise_meshes_of_any_size(size):
+    ball = proxima.Mesh.sample("icosphere:2")
+    turned = SimpleNamespace(vertices=ball.vertices * size, faces=np.array(ball.faces)[:, ::-1])
+    points = np.array([[0.1, 0, 0], [0.9, 0, 0], [1.1, 0, 0], [0, 0, -5]]) * size
+    assert trimesh.RayMeshIntersector(turned).contains_points(points).tolist() == [True, True, False, False]
+    scene = open3d.RaycastingScene()
+    scene.add_triangles(turned)
+    assert scene.compute_occupancy(points).tolist() == [1, 1, 0, 0]
+
+
+def test_trimesh_tells_both_sides_of_a_sheet():
+    corners = np.array([[0.0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 9], [1, 0, 9], [0, 1, 9]])
+    points = [[0.2, 0.2, 1], [0.2, 0.2, -1], [-1, -1, 1], [-1, -1, -1]]  # beside a face, and a corner
+    for faces, expected in (([[0, 1, 2], [0, 2, 1]], [0, 1, 0, 1]), ([[0, 2, 1], [2, 0, 1]], [1, 0, 1, 0]),
+                            ([[3, 4, 5], [5, 4, 3], [2, 1, 0], [1, 2, 0]], [3, 2, 3, 2]), ([[0, 1, 2]], [0, 0, 0, 0])):
+        sheet = SimpleNamespace(vertices=corners, faces=np.array(faces))
+        closest, distance, triangle = trimesh.ProximityQuery(sheet).on_surface(points)
+        assert triangle.tolist() == expected and triangle.dtype == np.int64
+        assert np.allclose(closest, [[0.2, 0.2, 0]] * 2 + [[0, 0, 0]] * 2) and np.allclose(distance, [1, 1, 3 ** 0.5, 3 ** 0.5])
+    soup = SimpleNamespace(vertices=np.concatenate((corners[:3], corners[2::-1])), faces=np.arange(6).reshape(2, 3))
+    assert trimesh.ProximityQuery(soup).on_surface(points)[2].tolist() == [0, 1, 0, 1]
+
+
+def test_trimesh_tells_triangles_at_an_edge_of_a_huge_mesh():
+    cube = proxima.Mesh.sample("cube")
+    at = np.array([[1, 3, 0.1], [3, 1, 0.1], [2, -3, 0.1], [-3, -2, 0.1]]) * cube.bounds[1]  # beyond edges along z
+    for size in (1.0, 1e80, 1e150):
+        _, _, triangle = trimesh.ProximityQuery(SimpleNamespace(vertices=cube.vertices * size, faces=cube.faces)).on_surface(at * size)
+        assert normals(cube)[triangle].tolist() == [[0, 1, 0], [1, 0, 0], [0, -1, 0], [-1, 0, 0]]
+
+
 def test_trimesh_signs_are_positive_inside(mesh, lookalike, points):
     query = trimesh.ProximityQuery(lookalike)
     distance = query.signed_distance(points)
@@ -157,6 +229,34 @@ def test_igl_squared_distances(mesh, points):
     small = igl.point_mesh_squared_distance(points.astype("f4"), mesh.vertices, np.array(mesh.faces, "i8"))
     assert [column.dtype for column in small] == ["f4", "i8", "f4"]
     assert igl.point_mesh_squared_distance(points[0], mesh.vertices, mesh.faces)[2].shape == (1, 3)
+
+
+@pytest.mark.parametrize("kind", ["i1", "u1", "i2", "u4", "u8"])
+def test_igl_ids_do_not_wrap(kind):
+    small, points = proxima.Mesh.sample("torus:10x10"), np.random.default_rng(2).uniform(-1.5, 1.5, (400, 3))
+    faces = np.array(small.faces).astype(kind)  # of 100 vertices; it has 200 triangles
+    expected = proxima.Index(small).closest(points).triangle
+    for _, triangles, _ in (igl.point_mesh_squared_distance(points, small.vertices, faces), igl.signed_distance(points, small.vertices, faces)):
+        assert np.array_equal(triangles, expected) and triangles.max() > 127 and triangles.dtype == np.int64
+
+
+@pytest.mark.parametrize("size", [1e-150, 1e-82, 1, 1e80, 1e150])
+def test_normals_of_meshes_of_any_size(size):
+    vertices, faces = cube_arrays()
+    half = proxima.Mesh.sample("cube").bounds[1, 0]
+    points = np.array([[0.5, 0.1, 0.2], [1.5, 0.1, 0.2], [1.5, 1.5, 0.2], [1.5, 1.5, 1.5], [0, -0.5, 0]]) * half
+    expected = np.array([[1, 0, 0], [1, 0, 0], [0.5 ** 0.5, 0.5 ** 0.5, 0], [3 ** -0.5] * 3, [0, -1, 0]])
+    lengths = np.array([-0.5, 0.5, 0.5 ** 0.5, 0.75 ** 0.5, -0.5]) * half
+    distance, _, _, normal = igl.signed_distance(points * size, vertices * size, faces, igl.SIGNED_DISTANCE_TYPE_PSEUDONORMAL, True)
+    assert np.allclose(distance / size, lengths, rtol=1e-12) and np.allclose(normal, expected, rtol=0, atol=1e-12)
+    scene = open3d.RaycastingScene()
+    scene.add_triangles(vertices * size, faces)
+    rays = np.array([[3, 0.1, 0.2, -1, 0, 0], [0.1, -3, 0.2, 0, 1, 0]]) * half
+    rays[:, :3] *= size
+    with np.errstate(over="ignore"):  # t_hit and points are float32
+        found = [scene.cast_rays(rays), scene.compute_closest_points(points[[0, 4]] * size)]
+    for answer in found:
+        assert answer["primitive_normals"].tolist() == [[1, 0, 0], [0, -1, 0]]
 
 
 def test_igl_signs_are_negative_inside(mesh, points):

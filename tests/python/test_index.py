@@ -9,6 +9,7 @@ import threading
 import time
 import tracemalloc
 import warnings
+from fractions import Fraction
 
 import numpy as np
 import pytest
@@ -128,13 +129,29 @@ def test_one_point(index, points):
 @pytest.mark.parametrize("arguments, error", [
     ((), TypeError), ((1, 2), TypeError), (("a", 2, 3), TypeError), ((np.zeros(4),), ValueError),
     ((float("nan"), 0, 0), proxima.InvalidInput), ((np.array([0, 0, np.inf]),), proxima.InvalidInput),
-    ((np.ma.array([0.0, 0, 5], mask=[0, 0, 1]),), proxima.InvalidInput),
+    ((np.ma.array([0.0, 0, 5], mask=[0, 0, 1]),), proxima.InvalidInput), ((1j, 2, 3), TypeError), ((1, 2, None), TypeError),
 ])
 def test_one_point_is_checked(index, arguments, error):
     with pytest.raises(error):
         index.closest_one(*arguments)
     with pytest.raises(TypeError):
         proxima.Index.closest_one(None, 1, 2, 3)
+
+
+@pytest.mark.parametrize("wrong, says", [
+    *(pytest.param(wrong, "is beyond the largest double", id=name)
+      for name, wrong in {"huge": 10**400, "-huge": -10**400, "fraction": Fraction(10**400)}.items()),
+    *((kind(1 + 5j), "must be a real number, is complex") for kind in (np.complex64, np.complex128, np.clongdouble, np.array))])
+def test_coordinates_are_checked(index, wrong, says):
+    for k, name in enumerate("xyz"):
+        given = [0.5, 2, np.float32(3)]
+        given[k] = wrong
+        with pytest.raises(proxima.InvalidInput, match=f"^{name}: {says}") as error:
+            index.closest_one(*given)
+        assert error.value.code == "invalid_argument"
+    for number in (1, True, np.float32(1), np.int8(1), np.array(1), Fraction(1)):  # real ones of any type
+        expected = index.closest_one(float(number), 2.0, 3.0)
+        assert index.closest_one(number, np.uint8(2), np.longdouble(3)).point == expected.point
 
 
 def test_signs_are_those_of_winding_numbers(mesh, index, points):
@@ -379,6 +396,20 @@ def test_distance_fields(mesh):
         proxima.Index(mesh).distance_field(4)
 
 
+def test_memory_of_answers(mesh, index, points):
+    """As docs/python.md says: new arrays in C order, but for fields, and views of the mesh."""
+    field = index.distance_field(9, gradient=True, method=True)
+    answers = [*index.closest(points), *index.cast(points, points), *index.within(points, 1), *index.nearest(points, 2),
+               index.signed_distance(points), index.contains(points), field.origin, proxima.Topology(mesh).edges, mesh.bounds]
+    assert all(column.flags.c_contiguous and column.flags.writeable for column in answers)
+    assert field.distance.flags.f_contiguous and field.method.flags.f_contiguous and field.distance.flags.writeable
+    size = field.distance.shape
+    assert field.gradient.strides == (24, 24 * size[0], 24 * size[0] * size[1], 8)
+    for name in ("vertices", "faces"):
+        view, again = getattr(mesh, name), getattr(mesh, name)
+        assert np.shares_memory(view, again) and view.flags.c_contiguous and not view.flags.writeable
+
+
 def test_an_index_of_several_bound_classes(mesh):
     class Both(proxima.Index, proxima.Mesh):
         def __init__(self):
@@ -405,6 +436,18 @@ def test_files_and_pickles(tmp_path, mesh, points):
     with pytest.raises(proxima.InvalidInput, match="bad.pxi"):
         proxima.Index.load(tmp_path / "bad.pxi")
     assert copy.copy(index) is index and copy.deepcopy([index])[0] is index
+
+
+def test_the_mesh_of_an_index_has_vertices_without_a_triangle_at_its_centre(mesh):
+    vertices = np.concatenate((mesh.vertices[:100], [[9, 9, 9]], mesh.vertices[100:]))
+    faces = np.array(mesh.faces) + (mesh.faces >= 100)
+    given = proxima.Mesh(vertices, faces)
+    index = proxima.Index(given)
+    again = index.mesh()
+    vertices[100] = mesh.bounds.mean(axis=0)
+    assert np.array_equal(again.vertices, vertices) and np.array_equal(again.faces, faces)
+    assert index.fingerprint == given.fingerprint != again.fingerprint
+    assert proxima.Index(mesh).mesh().fingerprint == mesh.fingerprint
 
 
 def test_objects_own_what_they_need(tmp_path, points):
@@ -460,6 +503,22 @@ def test_ctrl_c_stops_long_work():
     with pytest.raises(KeyboardInterrupt):
         proxima.Index(mesh, lists=True, threads=1)  # takes minutes
     assert time.monotonic() - begin < 30
+
+
+def test_ctrl_c_stops_a_batch():
+    ball = proxima.Index(proxima.Mesh.sample("icosphere:7"))
+    points = np.random.default_rng(1).normal(0, 1e-9, (4096, 3))  # as far from all triangles, so a few milliseconds each
+    begin = time.process_time()
+    threading.Timer(0.2, lambda: signal.raise_signal(signal.SIGINT)).start()
+    with pytest.raises(KeyboardInterrupt):
+        ball.closest(points, threads=1)
+    assert time.process_time() - begin < 3  # the whole batch takes 20
+
+
+def test_short_work_tells_that_it_is_done(index, points):
+    told = []
+    index.closest(points[:3], progress=lambda *step: told.append(step))
+    assert told[-1] == ("closest features", 1)
 
 
 def test_other_threads_run_meanwhile(index):

@@ -84,6 +84,12 @@ def test_reads_points_and_lines():
     assert np.array_equal(lines.faces, [[0, 1, 1], [1, 1, 1]])
 
 
+def test_reads_points_and_lines_of_a_file(tmp_path):
+    (tmp_path / "a.obj").write_text("v 0 0 0\nv 1 0 0\nl 1 2\np 2\n")
+    assert len(proxima.Mesh.read(tmp_path / "a.obj").faces) == 0
+    assert proxima.Mesh.read(tmp_path / "a.obj", points_and_lines=True).faces.tolist() == [[0, 1, 1], [1, 1, 1]]
+
+
 def test_finds_the_closest_points_of_a_cloud(tmp_path):
     points = np.random.default_rng(5).normal(size=(500, 3))
     np.savetxt(tmp_path / "cloud.xyz", points, fmt="%.17g")
@@ -110,6 +116,22 @@ def test_file_errors(tmp_path):
     with pytest.raises(proxima.FileNotWritable) as caught:
         proxima.Mesh.sample("cube").write(tmp_path / "no" / "folder.obj")
     assert isinstance(caught.value, OSError)
+
+
+@pytest.mark.parametrize("code, kind, ask", [
+    ("invalid_argument", proxima.InvalidInput, lambda cube: cube.part([12])),
+    ("file_not_found", proxima.FileMissing, lambda cube: proxima.Mesh.read("none.obj")),
+    ("file_not_writable", proxima.FileNotWritable, lambda cube: cube.write("no/folder.obj")),
+    ("unsupported_format", proxima.InvalidInput, lambda cube: cube.write("a.dae")),
+    ("malformed_file", proxima.InvalidInput, lambda cube: proxima.Mesh.from_bytes(b"v 0 0 0\nf 1 2 3\n", "obj")),
+    ("invalid_mesh", proxima.InvalidInput, lambda cube: proxima.Index(proxima.Mesh(cube.vertices * np.nan, cube.faces))),
+    ("limit_exceeded", proxima.LimitExceeded, lambda cube: proxima.Mesh.sample("sphere:100000x100000")),
+    ("budget_exceeded", proxima.LimitExceeded, lambda cube: proxima.Octree(cube, max_depth=19, threshold=0, uniform=True)),
+    ("cancelled", proxima.Cancelled, lambda cube: proxima.Index(proxima.Mesh.sample("icosphere:6"), lists=True, progress=lambda *_: False))])
+def test_errors_have_the_code_of_their_kind(code, kind, ask):
+    with pytest.raises(kind) as caught:
+        ask(proxima.Mesh.sample("cube"))
+    assert caught.value.code == code
 
 
 def test_bounds_and_copies(mesh):

@@ -22,6 +22,14 @@ def test_sum_of_boxes_is_a_box():
     assert repr(total) == "<proxima.MinkowskiSum: 8 vertices, 6 facets>"
 
 
+def test_distances_name_the_facet():
+    total = proxima.minkowski_sum(BOX, proxima.Polyhedron.box([-1, -1, -1], [1, 1, 1]))  # from -1, -1, -1 to 2, 3, 4
+    found = total.signed_distance([[0.5, 2.5, 1], [0.5, 1, -3], [4, 1, 1]])
+    assert found.distance.tolist() == [-0.5, 2, 2] and found.nearest.tolist() == [[0.5, 3, 1], [0.5, 1, -1], [2, 1, 1]]
+    assert found.direction.tolist() == [[0, 1, 0], [0, 0, -1], [1, 0, 0]]
+    assert total.half_spaces[found.facet].tolist() == [[0, 1, 0, 3], [0, 0, -1, 1], [1, 0, 0, 2]]
+
+
 def test_facets_lie_in_their_half_spaces():
     hull = proxima.Polyhedron(np.random.default_rng(3).normal(size=(40, 3)))
     first, loops = hull.facets

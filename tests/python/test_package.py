@@ -1,5 +1,6 @@
 """The package as a whole: docs, size, what it links, its wheel."""
 import os
+import pickle
 import re
 import subprocess
 import sys
@@ -116,6 +117,34 @@ def test_the_wheel_works_elsewhere(tmp_path):
                             env={"PYTHONPATH": str(tmp_path / "site"), "PYTHONDONTWRITEBYTECODE": "1"}, cwd=tmp_path,
                             capture_output=True, text=True, check=True).stdout
     assert str(tmp_path) in answer and "8 vertices" in answer
+
+
+class OfYourOwn(proxima.Mesh):
+    """A subclass, of which pickle wants the name."""
+
+
+def test_what_pickles_keep():
+    """As docs/python.md says."""
+    points = np.random.default_rng(6).normal(size=(400, 3))
+    body = proxima.Polyhedron(points)
+    again = pickle.loads(pickle.dumps(body))
+    assert np.array_equal(again.vertices, body.vertices) and len(body.vertices) < 400
+    planes, same_planes = (np.unique(of.half_spaces.round(12), axis=0) for of in (body, again))
+    assert np.array_equal(planes, same_planes) and len(planes) == len(body.half_spaces)
+    mine = OfYourOwn(points, [[0, 1, 2]])
+    mine.note = "mine"
+    again = pickle.loads(pickle.dumps(mine))
+    assert type(again) is OfYourOwn and again.fingerprint == mine.fingerprint and not hasattr(again, "note")
+
+
+def test_facets_of_flat_sums():
+    """-1 where the sum is a point or a segment, as SumDistances says; a polygon has two."""
+    origin, along, across = (proxima.Polyhedron(points) for points in ([[0, 0, 0]], [[0, 0, 0], [1, 0, 0]], [[0, 0, 0], [0, 1, 0]]))
+    for a, b, dimension in ((origin, origin, 0), (origin, along, 1), (along, along, 1), (along, across, 2)):
+        total = proxima.minkowski_sum(a, b)
+        found = total.signed_distance([[0.5, 0.5, 3], [0.5, 0.5, -3], [5, 0, 0]])
+        assert total.dimension == dimension and ((found.facet >= 0) == (dimension == 2)).all() and found.facet.min() >= -1
+    assert "-1 for a sum that is a point or a segment" in proxima.SumDistances.facet.__doc__
 
 
 def test_numbers_of_numpy_are_taken_as_options():

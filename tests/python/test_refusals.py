@@ -120,9 +120,9 @@ def calls(folder):
 
 def wrong_values(good):
     """Of no use to any argument; then the good one as other arrays."""
-    yield from (None, True, -1, 2**31, 2**63, -2**64, 10**30, 0.5, np.nan, np.inf, -np.inf, 1j, "", "a\0b", "\ud800", b"\xff", [], {}, [[]], [np.nan],
+    yield from (None, True, -1, 2**31, 2**63, -2**64, 10**30, 10**400, 0.5, np.nan, np.inf, -np.inf, 1j, "", "a\0b", "\ud800", b"\xff", [], {}, [[]], [np.nan],
                 [[1, 2, 3], [4]], ["a"], [None], object(), int, lambda: None, MESH, CUBE.report(), Hostile(), {1}, range(3), np, np.float32(1),
-                np.uint64(2**64 - 1), np.str_("x"), np.datetime64("2020-01-01"), memoryview(b"abcdef")[::2], np.zeros((0, 3)), np.zeros((3, 0)))
+                np.uint64(2**64 - 1), np.complex128(1 + 5j), np.str_("x"), np.datetime64("2020-01-01"), memoryview(b"abcdef")[::2], np.zeros((0, 3)), np.zeros((3, 0)))
     yield from map(without_value, (proxima.Mesh, proxima.Index, proxima.Topology, proxima.Octree, proxima.Polyhedron, proxima.MinkowskiSum,
                                    proxima.Scene, proxima.Solid, proxima.TouchScene, proxima.TouchRenderer))
     if isinstance(good, (np.ndarray, list, float, int)) and not isinstance(good, bool):
@@ -192,6 +192,17 @@ def test_any_object_is_answered_or_refused(table):
     assert unclear == []
 
 
+@pytest.mark.filterwarnings("error:Casting complex", "ignore::UserWarning")
+def test_any_coordinate_is_answered_or_refused():
+    index = proxima.Index(CUBE)
+    for wrong in wrong_values(0.5):
+        for k in range(3):
+            given = [0.5, 0.5, 0.5]
+            given[k] = wrong
+            error = ask(lambda: index.closest_one(*given), {})
+            assert is_one_clear_error(error), f"{k}, {type(wrong).__name__}: {error!r}"
+
+
 @pytest.mark.filterwarnings("ignore")
 @pytest.mark.parametrize("name, argument", [("Index.time_of_contact", "motion"), ("pose_at", "motion"), ("both_ways", "there"), ("both_ways", "back"),
                                             ("TouchScene.add", "texture"), ("TouchScene.set_material", "material"), ("Topology.patch", "closest")])
@@ -211,6 +222,7 @@ def test_any_column_is_answered_or_refused(table, name, argument):
     ("Octree", "max_depth", 20, "max_depth: must be from 0 to 19"), ("Index.distance_field", "resolution", -1, "resolution: must be"),
     ("Index.self_intersections", "max_pairs", -1, "max_pairs: must be 0 or more"), ("Index.nearest", "count", 0, "count: must be from 1"),
     ("Index.distance_to", "farthest", np.nan, "farthest: must be 0 or more, is nan"), ("pose_at", "time", np.nan, "time: must be finite"),
+    ("pose_at", "time", 1e308, "time: the pose then is beyond the largest double"), ("pose_at", "time", -1e308, "time: the pose then is beyond"),
     ("Polyhedron.box", "upper", [0, 0, np.nan], "lower: must be at most upper along each axis, and no NaN"),
     ("Mesh.of_segments", "segments", [[0, 9]], "segment 0 uses point 9: there are only 5 points"), ("Mesh", "faces", [[0, 1, 99]], "triangle 0 uses vertex 99: there are only 42 vertices"),
     ("Index.contains", "points", np.ma.array(POINTS, mask=POINTS > 0), "points: must have no mask"),

@@ -97,6 +97,33 @@ def test_repair_makes_a_solid_of_a_soup(mesh):
     assert (repair.pieces, repair.closed_pieces, repair.cavities, repair.unorientable_pieces) == (1, 1, 0, 0)
 
 
+FLAWED = proxima.Mesh([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1], [0.5, 0, 0], [np.nan, 0, 0], [5, 5, 5]],
+                      [[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3], [1, 0, 2], [0, 0, 1], [0, 1, 4], [0, 1, 5]])
+
+
+@pytest.mark.parametrize("options, triangles, vertices", [
+    ({}, [0, 1, 2, 3, 6], [0, 1, 2, 3, 4]),
+    ({"drop_non_finite": False}, [0, 1, 2, 3, 6, 7], [0, 1, 2, 3, 4, 5]),
+    ({"drop_degenerate": False}, [0, 1, 2, 3, 5, 6], [0, 1, 2, 3, 4]),
+    ({"drop_zero_area": True}, [0, 1, 2, 3], [0, 1, 2, 3]),
+    ({"drop_duplicates": False}, [0, 1, 2, 3, 4, 6], [0, 1, 2, 3, 4]),
+    ({"drop_unused_vertices": False}, [0, 1, 2, 3, 6], [0, 1, 2, 3, 4, 5, 6])])
+def test_repair_does_the_steps_that_are_asked_for(options, triangles, vertices):
+    """Of a tetrahedron and four triangles: its first one again, one of a vertex twice, one of three vertices on a line, one with NaN."""
+    repair = FLAWED.repair(**options)
+    assert repair.triangle.tolist() == triangles and repair.vertex.tolist() == vertices
+
+
+@pytest.mark.parametrize("options, mixed, inward", [
+    ({}, [0], range(12)), ({"orient": False}, [], range(12)), ({"turn_outward": False}, [0], []), ({"orient": False, "turn_outward": False}, [], [])])
+def test_repair_turns_what_is_asked_for(options, mixed, inward):
+    cube = proxima.Mesh.sample("cube")
+    for wrong, turned in (([0], mixed), (range(12), inward)):
+        faces = cube.faces.copy()
+        faces[wrong] = faces[wrong, ::-1]
+        assert np.nonzero(proxima.Mesh(cube.vertices, faces).repair(**options).turned)[0].tolist() == list(turned)
+
+
 def test_repair_turns_cavities_inward_or_not():
     outer, inner = proxima.Mesh.sample("cube"), proxima.Mesh.sample("octahedron")
     both = proxima.Mesh(np.concatenate([outer.vertices, 0.1 * inner.vertices]),

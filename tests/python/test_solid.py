@@ -105,6 +105,17 @@ def test_wrong_motions_are_refused(index, motion, options, says):
         index.time_of_contact(index, motion, **options)
 
 
+def test_how_near_and_how_long_times_are_searched(ring_and_ball):
+    ring, ball = (solid.index for solid in ring_and_ball)
+    motion = proxima.Motion(at(4, 0.1, 0.2), displacement=[-5, 0, 0], turn=[0.3, 0.5, 1])
+    fine, coarse, few = (ring.time_of_contact(ball, motion, **options) for options in ({}, {"tolerance": 1e-3}, {"max_steps": 3}))
+    assert 0 < fine.free_until <= fine.touches_at <= fine.free_until + 1e-9
+    assert coarse.free_until <= fine.free_until and fine.touches_at <= coarse.touches_at
+    assert 1e-6 < coarse.touches_at - coarse.free_until <= 1.000001e-3 and coarse.steps < fine.steps
+    assert proxima.CONTACT_EVIDENCE[few.evidence] == "steps" and few.steps == 3
+    assert 0 < few.free_until < fine.free_until and few.touches_at == np.inf
+
+
 @compared
 def test_times_have_the_bits_of_the_program():
     start, end = turned([1, 2, 3], 0.4, [3, 0.1, 0.2]), turned([0, 1, 0], 2, [-3, 0.3, 0])
@@ -187,6 +198,18 @@ def test_a_ball_in_the_rim_of_a_ring(ring_and_ball):
     assert 0 < depth.lower <= depth.upper == pytest.approx(0.8, abs=0.02) and depth.direction[0] > 0.95
     free = pose + np.column_stack([np.zeros((3, 3)), depth.translation])
     assert not ring.overlaps(ball, free) and not ring.index.intersect(ball.index, free, pairs=False)
+
+
+def test_depths_are_as_near_as_asked_for(ring_and_ball):
+    ring, ball = ring_and_ball
+    pose = turned([1, 2, 3], 0.4, [1, 0, 0])  # 1.5 deep, as above
+    assert ring.penetration_depth(ball, pose).lower > 1.2 and ring.penetration_depth(ball, pose, max_points=0).lower == 0
+    ring = proxima.Solid(proxima.Mesh.sample("torus:3x3"))  # whose corners stick out
+    pose = turned([1, 2, 3], 2, [0.6, 0.1, 0.2])
+    usual, few = ring.penetration_depth(ring, pose), ring.penetration_depth(ring, pose, max_directions=0)
+    assert usual.upper < 0.7 * few.upper
+    for depth in (usual, few):
+        assert ring.overlaps(ring, pose) and not ring.overlaps(ring, pose + np.column_stack([np.zeros((3, 3)), depth.translation]))
 
 
 @pytest.mark.parametrize("make, says", [

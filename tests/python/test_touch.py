@@ -221,6 +221,7 @@ def test_replays_a_session_of_the_program(tmp_path):
     mesh = proxima.Mesh.sample("torus:24x12")
     replay = proxima.TouchRenderer.replay(tmp_path / "a.pxt", mesh)
     assert len(replay.seconds) == 2000 and replay.differences == 0 and replay.tick_seconds == 1e-3
+    assert np.allclose(replay.seconds, 1e-3 * np.arange(2000), rtol=0, atol=1e-9)
     assert replay.touch.force.tobytes() == replay.force.tobytes() and (np.linalg.norm(replay.force, axis=1) > 0.1).any()
     assert proxima.TouchRenderer.replay(str(tmp_path / "a.pxt"), proxima.Index(mesh, lists=True)).differences == 0
     session(tmp_path, "torus:24x12", "--device", "hand:press", "--force", "penalty")
@@ -250,6 +251,18 @@ def test_textures_have_the_bits_of_the_program(tmp_path):
         renderer = proxima.TouchRenderer(mesh, static_friction=0.5, dynamic_friction=0.375, texture=chosen)
         touch = renderer.step(replay.position, replay.velocity, replay.tick_seconds)
         assert (touch.force.tobytes() == replay.force.tobytes()) == (chosen is texture)
+
+
+@compared
+@pytest.mark.parametrize("bump", ["dimples", "noise"])
+def test_bumps_have_the_bits_of_the_program(tmp_path, bump):
+    session(tmp_path, "torus:24x12", "--device", "hand:stroke", "--friction", "0.5", "--texture", f"{bump}:0.0003,0.004")
+    mesh = proxima.Mesh.sample("torus:24x12")
+    replay = proxima.TouchRenderer.replay(tmp_path / "a.pxt", mesh)
+    for chosen in ("grating", "dimples", "noise"):
+        renderer = proxima.TouchRenderer(mesh, static_friction=0.5, dynamic_friction=0.375, texture=proxima.Texture(chosen, 0.0003, 0.004))
+        touch = renderer.step(replay.position, replay.velocity, replay.tick_seconds)
+        assert (touch.force.tobytes() == replay.force.tobytes()) == (chosen == bump), chosen
 
 
 @compared
@@ -338,25 +351,50 @@ def test_objects_move_bend_and_change(wall):
     assert force() == pytest.approx(0.6, rel=1e-3)
 
 
-def test_objects_have_textures_of_their_own(wall):
+def test_materials_and_shapes_change_evenly(wall):
+    scene = proxima.TouchScene([[-1, -1, -1], [1, 1, 1]])
+    scene.add(wall, material=proxima.Material(300, 0, 0.4, 0.3))
+    renderer = proxima.TouchRenderer(scene, **PLAIN)
+    renderer.step(press(0.002))
+
+    def force_after(ticks):
+        return renderer.step(np.tile([0, 0, -0.002], (ticks, 1))).force[-1, 2]
+
+    assert force_after(100) == pytest.approx(300 * 0.002, rel=1e-3)
+    scene.set_material(0, proxima.Material(100, 0, 0.4, 0.3), seconds=1)
+    assert force_after(500) == pytest.approx(200 * 0.002, rel=1e-2) and force_after(250) == pytest.approx(150 * 0.002, rel=1e-2)
+    assert force_after(300) == pytest.approx(100 * 0.002, rel=1e-3)
+    scene.deform(0, wall.vertices + [0, 0, 0.002], seconds=1)
+    assert force_after(500) == pytest.approx(100 * 0.003, rel=1e-2) and force_after(250) == pytest.approx(100 * 0.0035, rel=1e-2)
+    assert force_after(300) == pytest.approx(100 * 0.004, rel=1e-3)
+
+
+@pytest.mark.parametrize("exchanged", [False, True])
+def test_objects_have_textures_of_their_own(wall, exchanged):
     forces = []
     for texture in (None, proxima.Texture(viscosity=1)):
+        own = {"texture": texture, "material": proxima.Material(300, 0, 0, 0)}
         scene = proxima.TouchScene([[-1, -1, -1], [1, 1, 1]])
-        scene.add(wall, texture=texture, material=proxima.Material(300, 0, 0, 0))
+        scene.add(wall, **({} if exchanged else own))
+        if exchanged:
+            scene.exchange(0, wall, **own)
         path = press(0.004, 4000, across=0.02)
         forces.append(proxima.TouchRenderer(scene, **PLAIN).step(path, np.gradient(path, 1e-3, axis=0)).force[-100:])
     assert np.allclose(forces[0][:, 0], 0, atol=1e-6)
     assert np.allclose(forces[1][:, 0], -1 * 0.02 / 2, rtol=0.1)  # 1 N s/m, 2 cm in two seconds
 
 
-def test_shading_leans_forces_to_the_smooth_normal():
+@pytest.mark.parametrize("exchanged", [False, True])
+def test_shading_leans_forces_to_the_smooth_normal(exchanged):
     ball = proxima.Mesh.sample("icosphere:2")
     outward = ball.vertices[ball.faces[0]].T @ [0.2, 0.3, 0.5]
     outward /= np.linalg.norm(outward)
     angles = []
     for shading in (False, True):
         scene = proxima.TouchScene([[-2, -2, -2], [2, 2, 2]])
-        scene.add(ball, shading=shading)
+        scene.add(ball, shading=shading and not exchanged)
+        if exchanged:
+            scene.exchange(0, ball, shading=shading)
         renderer = proxima.TouchRenderer(scene, static_friction=0, dynamic_friction=0, shading=shading)
         path = np.linspace(1.2, 0.95, 1500)[:, None] * outward / renderer.units_per_metre
         force = renderer.step(path).force[-1]

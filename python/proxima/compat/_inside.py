@@ -13,9 +13,9 @@ from . import welded
 class Inside:
     """Signed distances of meshes: inside is what an odd number of their parts encloses.
 
-    A part is what triangles connect across edges, after vertices at one position were joined. It may run clockwise. Whether
-    a part encloses a point its winding number tells. Parts that are open, or have edges of three or more triangles, count
-    as one part for each mesh."""
+    A part is what triangles connect across edges, after vertices at one position were joined. Triangles are turned to match
+    their neighbours, and parts that then run clockwise are turned, too. Whether a part encloses a point its winding number
+    tells. Parts that are open, or have edges of three or more triangles, count as one part for each mesh."""
 
     def __init__(self, whole: Index, meshes: Sequence[Mesh], threads: int = 0) -> None:
         """`whole` is the index of all meshes: their triangles in this order."""
@@ -23,19 +23,20 @@ class Inside:
         begins = np.cumsum([0] + [len(mesh.vertices) for mesh in meshes])
         faces = np.concatenate([mesh.faces + begin for mesh, begin in zip(meshes, begins)])
         vertices = np.concatenate([mesh.vertices for mesh in meshes])
-        part = np.zeros(len(faces), np.int64)
+        part, turned = np.zeros(len(faces), np.int64), np.zeros(len(faces), bool)
         is_open = np.zeros(0, bool)
         at = 0
         for mesh in meshes:
-            own, own_open = _parts(mesh)
+            own, own_open, turned[at:at + len(own)] = _parts(mesh)
             part[at:at + len(own)] = own + len(is_open)
             is_open = np.concatenate((is_open, own_open))
             at += len(own)
-        group, turned = _groups(vertices[faces], part, is_open)
-        if not turned.any() and not group.any():
+        faces[turned] = faces[turned, ::-1]
+        group, clockwise = _groups(vertices[faces], part, is_open)
+        if not (turned ^ clockwise).any() and not group.any():
             self._indexes = [whole.with_signs(threads=threads)]
             return
-        faces[turned] = faces[turned, ::-1]
+        faces[clockwise] = faces[clockwise, ::-1]
         self._indexes = [Index(Mesh(vertices, faces[group == number]), signs=True, threads=threads)
                          for number in range(group.max() + 1)]
 
@@ -50,21 +51,24 @@ class Inside:
         return np.where(inside, -distance, distance)
 
 
-def _parts(mesh: Mesh) -> tuple[NDArray[np.int64], NDArray[np.bool_]]:
-    """The part of each triangle (F,), and whether each part is open."""
+def _parts(mesh: Mesh) -> tuple[NDArray[np.int64], NDArray[np.bool_], NDArray[np.bool_]]:
+    """The part of each triangle (F,), whether each part is open, and whether each triangle (F,) must be turned."""
     faces = np.asarray(welded(mesh).faces, np.int64)
+    turned = np.zeros(len(faces), bool)
     if not len(faces):
-        return np.zeros(0, np.int64), np.zeros(0, bool)
+        return np.zeros(0, np.int64), np.zeros(0, bool), turned
     # A triangle that has a vertex twice joins its two neighbours: without it they are each other's.
     sound = np.flatnonzero((faces != np.roll(faces, 1, axis=1)).all(axis=1))
-    neighbours = Topology(Mesh(np.zeros((faces.max() + 1, 3)), faces[sound])).neighbours
+    surface = Mesh(np.zeros((faces.max() + 1, 3)), faces[sound])
+    turned[sound] = surface.repair(weld=False, drop_duplicates=False, turn_outward=False).turned
+    neighbours = Topology(surface).neighbours
     label = _connected(neighbours)
     open_labels = np.zeros(len(sound), bool)
     open_labels[label[(neighbours < 0).any(axis=1)]] = True
     joined = np.full(len(faces), -1)
     joined[sound] = np.where(open_labels[label], -1, label)
     labels, part = np.unique(joined, return_inverse=True)
-    return part.reshape(-1), labels < 0
+    return part.reshape(-1), labels < 0, turned
 
 
 def _connected(neighbours: NDArray[np.int32]) -> NDArray[np.int64]:
@@ -88,7 +92,8 @@ def _groups(corners: NDArray[np.float64], part: NDArray[np.int64],
     first = np.searchsorted(part[order], np.arange(len(is_open)))
     lower = np.minimum.reduceat(corners.min(axis=1)[order], first)
     upper = np.maximum.reduceat(corners.max(axis=1)[order], first)
-    a, b, c = np.moveaxis(corners - lower[part][:, None], 1, 0)
+    size = np.where(upper > lower, upper - lower, 1.0)  # of a part along each axis: it becomes 1, and volumes are numbers
+    a, b, c = np.moveaxis((corners - lower[part][:, None]) / size[part][:, None], 1, 0)
     clockwise = np.bincount(part, np.einsum("ij,ij->i", a, np.cross(b, c))) < 0
     # The winding number of an open part reaches beyond its box.
     lower[is_open], upper[is_open] = -np.inf, np.inf

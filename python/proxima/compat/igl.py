@@ -6,7 +6,8 @@
     distances, triangles, closest = signed_distance(P, V, F)           # negative inside
 
 Each call builds an index, as libigl builds its tree: to ask several times, make a proxima.Index. Among triangles that
-share the closest point the lowest is named. Lengths have the dtype of P, float32 or float64, ids that of F.
+share the closest point the lowest is named. Lengths have the dtype of P, float32 or float64, ids that of F, int32 or int64.
+Other integers, as uint32 or int8, are answered by int64.
 """
 from __future__ import annotations
 
@@ -15,7 +16,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from .. import Closest, Index, Mesh, Topology
-from . import refusal
+from . import normals, refusal, unit
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
@@ -56,17 +57,18 @@ def signed_distance(P: ArrayLike, V: ArrayLike, F: ArrayLike, sign_type: int = S
     closest = index.closest(points)
     distances = index.signed_distance(points) if by_winding else closest.distance
     if by_normals:
-        normals = _pseudonormals(mesh, closest)
-        distances = np.where(((points - closest.point) * normals).sum(axis=1) < 0, -distances, distances)
+        normal = _pseudonormals(mesh, closest)
+        distances = np.where(((points - closest.point) * normal).sum(axis=1) < 0, -distances, distances)
     answer = (distances.astype(lengths), closest.triangle.astype(ids), closest.point.astype(lengths))
-    return (*answer, normals.astype(lengths)) if return_normals else answer
+    return (*answer, normal.astype(lengths)) if return_normals else answer
 
 
 def _arrays(P: ArrayLike, F: ArrayLike) -> tuple[NDArray[Any], Any, Any]:
     """P as rows, and the dtypes of answers."""
     points, faces = np.asanyarray(P), np.asanyarray(F)
     lengths = np.float32 if points.dtype == np.float32 else np.float64
-    return points.reshape(1, 3) if points.shape == (3,) else points, lengths, faces.dtype if faces.dtype.kind == "i" else np.int64
+    ids = np.int32 if faces.dtype == np.int32 else np.int64  # smaller ones may not hold a triangle's id
+    return points.reshape(1, 3) if points.shape == (3,) else points, lengths, ids
 
 
 def _pseudonormals(mesh: Mesh, closest: Closest) -> NDArray[np.float64]:
@@ -74,18 +76,11 @@ def _pseudonormals(mesh: Mesh, closest: Closest) -> NDArray[np.float64]:
     around = Topology(mesh).patch(closest, rings=0)
     query = np.repeat(np.arange(len(closest.feature)), np.diff(around.first))
     faces = mesh.faces[around.triangle]
-    a, b, c = np.moveaxis(mesh.vertices[faces], 1, 0)
-    normal = _unit(np.cross(b - a, c - a))
+    corners = mesh.vertices[faces]
     corner = np.argmax(faces == closest.feature[query, None], axis=1)
-    at, left, right = (np.choose((corner + k)[:, None] % 3, (a, b, c)) for k in range(3))
-    angle = np.arccos(np.clip((_unit(left - at) * _unit(right - at)).sum(axis=1), -1, 1))
+    at, left, right = (corners[np.arange(len(faces)), (corner + k) % 3] for k in range(3))
+    angle = np.arccos(np.clip((unit(left - at) * unit(right - at)).sum(axis=1), -1, 1))
     weight = np.where(closest.feature_kind[query] == 0, angle, 1.0)
     total = np.zeros((len(closest.feature), 3))
-    np.add.at(total, query, weight[:, None] * normal)
-    return _unit(total)
-
-
-def _unit(vectors: NDArray[np.float64]) -> NDArray[np.float64]:
-    length = np.linalg.norm(vectors, axis=1, keepdims=True)
-    unit: NDArray[np.float64] = np.divide(vectors, length, out=np.zeros_like(vectors), where=length > 0)
-    return unit
+    np.add.at(total, query, weight[:, None] * normals(corners))
+    return unit(total)

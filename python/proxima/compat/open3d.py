@@ -22,7 +22,7 @@ from typing import TYPE_CHECKING, Any, Callable, Optional, overload
 import numpy as np
 
 from .. import Closest, Index, Mesh
-from . import mesh_of, refusal
+from . import mesh_of, normals, refusal
 from ._inside import Inside
 
 if TYPE_CHECKING:
@@ -142,13 +142,11 @@ class RaycastingScene:
             own = hit & (geometry == number)
             corners[own] = vertices[faces[triangle[own] - begins[number]]]
         corners[~hit] = 0
-        normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
-        length = np.linalg.norm(normal, axis=1, keepdims=True)
         answer = {name: like(column.astype(np.float32)) for name, column in first.items()}
         answer["geometry_ids"] = like(np.where(hit, geometry, self.INVALID_ID).astype(np.uint32))
         answer["primitive_ids"] = like(np.where(hit, triangle - begins[geometry], self.INVALID_ID).astype(np.uint32))
         answer["primitive_uvs"] = like(np.where(hit[:, None], columns, 0).astype(np.float32))
-        answer["primitive_normals"] = like(np.divide(normal, length, out=np.zeros_like(normal), where=length > 0).astype(np.float32))
+        answer["primitive_normals"] = like(normals(corners).astype(np.float32))
         return answer
 
 

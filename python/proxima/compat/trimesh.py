@@ -7,12 +7,14 @@
     ray = RayMeshIntersector(mesh)
     locations, index_ray, index_tri = ray.intersects_location(origins, directions)
 
-As in trimesh, distances are positive inside, ids are int64 and triangles that share the closest point are told apart by
-which of them faces the query, also where they have corners of their own at the same positions. Unlike there, hits come in
-the order of the rays and along them, a direction that is zero is an error, and objects answer for the mesh as it was when
-they were made. Inside is what an odd number of connected parts encloses, as the rays of trimesh's contains_points have it,
-but told by winding numbers. signed_distance has the same inside, also where a mesh runs clockwise or has bodies in bodies:
-trimesh takes the side of the closest triangle there, and its signs contradict its contains_points.
+As in trimesh, distances are positive inside and ids are int64. Triangles that share the closest vertex or edge, or all three
+corners, are told apart by which of them faces the query, also where they have corners of their own at the same positions.
+Unlike there, hits come in the order of the rays and along them, a direction that is zero is an error, and objects answer
+for the mesh as it was when they were made. Inside is what an odd number of connected parts encloses, as the rays of
+trimesh's contains_points have it, but told by winding numbers, for which triangles are turned to match their neighbours.
+Pieces that meet at an edge of three or more triangles must face alike, and a part with one side, as a Klein bottle, has no
+inside to speak of. signed_distance has the same inside, also where a mesh runs clockwise or has bodies in bodies: trimesh
+takes the side of the closest triangle there, and its signs contradict its contains_points.
 """
 from __future__ import annotations
 
@@ -21,7 +23,7 @@ from typing import TYPE_CHECKING, Any, Optional
 import numpy as np
 
 from .. import Closest, Index, Mesh, Topology
-from . import mesh_of, welded
+from . import mesh_of, normals, welded
 from ._inside import Inside
 
 if TYPE_CHECKING:
@@ -40,6 +42,7 @@ class ProximityQuery:
         self._inside: Optional[Inside] = None
         self._vertices: Optional[Index] = None
         self._topology: Optional[Topology] = None
+        self._backs: Optional[NDArray[np.int64]] = None
 
     def on_surface(self, points: ArrayLike) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.int64]]:
         """Closest points (m, 3), distances (m,) and triangles (m,) of points (m, 3)."""
@@ -52,10 +55,17 @@ class ProximityQuery:
                 self._topology = Topology(self._welded)
             several = self._topology.patch(Closest(*(np.asarray(column)[shared] for column in closest)), rings=0)
             towards = np.repeat(points[shared] - closest.point[shared], np.diff(several.first), axis=0)
-            facing = np.einsum("ij,ij->i", _normals(self._welded, several.triangle), towards)
+            facing = self._facing(several.triangle, towards)
             best = np.maximum.reduceat(facing, several.first[:-1])
             is_best = np.flatnonzero(facing >= np.repeat(best, np.diff(several.first)))
             triangle[shared] = several.triangle[is_best[np.searchsorted(is_best, several.first[:-1])]]
+        within = np.flatnonzero((closest.feature_kind == 2) & (closest.distance > MERGE))
+        behind = within[self._facing(triangle[within], points[within] - closest.point[within]) < 0]
+        if len(behind):
+            if self._backs is None:
+                self._backs = _backs(self._welded)
+            back = self._backs[triangle[behind]]
+            triangle[behind] = np.where(back < 0, triangle[behind], back)
         return closest.point, closest.distance, triangle
 
     def vertex(self, points: ArrayLike) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
@@ -74,6 +84,11 @@ class ProximityQuery:
         near = np.abs(distance) <= MERGE
         distance[near] = np.abs(distance[near])
         return distance
+
+    def _facing(self, triangles: NDArray[Any], towards: NDArray[np.float64]) -> NDArray[np.float64]:
+        """How much each triangle faces a direction."""
+        facing: NDArray[np.float64] = (normals(self._welded.vertices[self._welded.faces[triangles]]) * towards).sum(axis=1)
+        return facing
 
 
 class RayMeshIntersector:
@@ -127,10 +142,15 @@ class RayMeshIntersector:
         return self._inside.signed_distance(points) < 0
 
 
-def _normals(mesh: Mesh, triangles: NDArray[np.int32]) -> NDArray[np.float64]:
-    """Normals of length 1, 0 for triangles without an area."""
-    a, b, c = np.moveaxis(mesh.vertices[mesh.faces[triangles]], 1, 0)
-    normal = np.cross(b - a, c - a)
-    length = np.linalg.norm(normal, axis=1, keepdims=True)
-    unit: NDArray[np.float64] = np.divide(normal, length, out=np.zeros_like(normal), where=length > 0)
-    return unit
+def _backs(mesh: Mesh) -> NDArray[np.int64]:
+    """(F,) the lowest triangle with the same corners that faces the other way, -1 for none."""
+    corners = np.sort(mesh.faces, axis=1)
+    order = np.lexsort(corners.T)
+    begins = (corners[order[1:]] != corners[order[:-1]]).any(axis=1)
+    number = np.empty(len(order), np.int64)  # of the corners
+    number[order] = np.concatenate(([0], np.cumsum(begins)))
+    way = ((mesh.faces < np.roll(mesh.faces, -1, axis=1)).sum(axis=1) == 2).astype(np.int64)
+    lowest = np.full((len(order), 2), -1)
+    lowest[number[::-1], way[::-1]] = np.arange(len(order))[::-1]
+    backs: NDArray[np.int64] = lowest[number, 1 - way]
+    return backs

@@ -43,6 +43,7 @@ public:
     /// In bytes; not finite where no number is enough.
     Result<double> bytes()
     {
+        measure_accessors_and_skins();
         measure_meshes();
         if (auto status = measure_nodes(); !status) return tl::unexpected(status.error());
         double all = loose_bytes() + scene_bytes();
@@ -83,7 +84,7 @@ private:
     [[nodiscard]] double accessor_count(Id reference) const
     {
         const auto found = find(accessors_, reference);
-        return found ? amount(accessors_[*found], "count") : 0;
+        return found ? counts_[*found] : 0;
     }
 
     // Everything that belongs to neither a mesh nor a node.
@@ -139,6 +140,17 @@ private:
             if (found) all += key_bytes[*found];
         }
         return all;
+    }
+
+    // Once each, for as many references as a file likes.
+    void measure_accessors_and_skins()
+    {
+        for (const Id accessor : accessors_) counts_.push_back(amount(accessor, "count"));
+        for (const Id skin : skins_) {
+            const auto matrices = json_.member(skin, "inverseBindMatrices");
+            skin_bytes_.push_back(static_cast<double>(list(skin, "joints").size()) * bytes_of_bone +
+                                  (matrices ? accessor_count(*matrices) * bytes_of_matrix : 0));
+        }
     }
 
     void measure_meshes()
@@ -250,13 +262,7 @@ private:
         const auto mesh = mesh_reference ? find(meshes_, *mesh_reference) : std::nullopt;
         double all = bytes_of_node;
         if (mesh) all += primitive_counts_[*mesh] * sizeof(unsigned);
-        if (mesh && skin) {
-            const Id bones = skins_[*skin];
-            const auto matrices = json_.member(bones, "inverseBindMatrices");
-            all += primitive_counts_[*mesh] *
-                   (static_cast<double>(list(bones, "joints").size()) * bytes_of_bone +
-                    (matrices ? accessor_count(*matrices) * bytes_of_matrix : 0));
-        }
+        if (mesh && skin) all += primitive_counts_[*mesh] * skin_bytes_[*skin];
         return all;
     }
 
@@ -281,6 +287,8 @@ private:
     Section nodes_;
     Section meshes_;
     Section skins_;
+    std::vector<double> counts_;     ///< by accessor
+    std::vector<double> skin_bytes_; ///< of a mesh that has the skin
     std::vector<double> mesh_bytes_;
     std::vector<double> primitive_counts_;
     std::vector<double> node_bytes_;

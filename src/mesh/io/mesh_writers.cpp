@@ -4,6 +4,7 @@
 #include "base/progress.h"
 #include "base/text.h"
 #include "geometry/exact_predicates.h"
+#include "geometry/length.h"
 
 #include <bit>
 #include <charconv>
@@ -118,7 +119,7 @@ Vec3 unit_normal(const Triangle& triangle)
     const Vec3 b = triangle[2] - triangle[0];
     const double size = std::max(a.cwiseAbs().maxCoeff(), b.cwiseAbs().maxCoeff());
     const Vec3 normal = (a / size).cross(b / size);
-    const double length = normal.norm();
+    const double length = length_of(normal);
     if (!std::isfinite(length) || length == 0) return Vec3::Zero();
     return normal / length;
 }

@@ -117,6 +117,10 @@ private:
             return refuse(ErrorCode::malformed_file,
                           concat("the header has a second element \"", name.substr(0, 40), "\""));
         }
+        if (header_.elements.size() == max_elements) {
+            return refuse(ErrorCode::limit_exceeded,
+                          concat("the header has more than ", max_elements, " elements"));
+        }
         header_.elements.push_back({name, static_cast<std::uint64_t>(count), {}});
         return {};
     }
@@ -140,6 +144,10 @@ private:
         property.name = cursor_.word();
         if (property.name.empty()) {
             return refuse(ErrorCode::malformed_file, "a property has no name");
+        }
+        if (++properties_ > max_properties) {
+            return refuse(ErrorCode::limit_exceeded,
+                          concat("the header has more than ", max_properties, " properties"));
         }
         header_.elements.back().properties.push_back(property);
         return {};
@@ -172,6 +180,10 @@ private:
     const char* line_ = cursor_.position();
     PlyHeader header_;
     bool has_format_ = false;
+    std::size_t properties_ = 0;
+
+    static constexpr std::size_t max_elements = 1000;
+    static constexpr std::size_t max_properties = 10'000;
 };
 
 } // namespace

@@ -216,8 +216,9 @@ private:
                 return refused_by_mesh();
             }
         }
+        const auto column = [&](int i) { return Displacement{Vec3::Zero(), linear.col(i)}; };
         // A mirroring transform reverses orientation, so the corners change their order.
-        const bool mirrored = linear.determinant() < 0;
+        const bool mirrored = determinant_sign(column(0), column(1), column(2)) < 0;
         std::vector<std::uint32_t> corners;
         for (unsigned i = 0; i < mesh.mNumFaces; ++i) {
             const aiFace& face = mesh.mFaces[i];

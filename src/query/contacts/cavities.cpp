@@ -77,14 +77,16 @@ std::vector<std::uint32_t> components_of(const TriangleMesh& mesh,
 
 /// Signed, by component, as report_mesh sums them up: from a vertex of the component, as from farther away
 /// rounding would hide small ones.
-std::vector<detail::VolumeSum>
-volumes_of(const TriangleMesh& mesh, const std::vector<std::uint32_t>& components, double scale)
+std::vector<detail::VolumeSum> volumes_of(const TriangleMesh& mesh,
+                                          const std::vector<std::uint32_t>& components)
 {
-    std::vector<detail::VolumeSum> volumes(mesh.triangle_count());
+    static_assert(no_component == detail::no_surface_sum);
+    std::vector<detail::VolumeSum> volumes =
+        detail::scaled_sums(mesh, components, mesh.triangle_count());
     for (std::uint32_t t = 0; t < components.size(); ++t) {
         if (components[t] == no_component) continue;
         const Vec3 origin = mesh.triangle(TriangleId{components[t]})[0];
-        volumes[components[t]].add(mesh.triangle(TriangleId{t}), origin, scale);
+        volumes[components[t]].add(mesh.triangle(TriangleId{t}), origin);
     }
     return volumes;
 }
@@ -101,8 +103,7 @@ Status check_cavities(const MeshIndex& index, const TriangleMesh& mesh, const Ex
 {
     const std::vector<std::uint32_t> first = detail::first_at_position(mesh);
     const std::vector<std::uint32_t> components = components_of(mesh, first);
-    const std::vector<detail::VolumeSum> volumes =
-        volumes_of(mesh, components, index.parts().scale());
+    const std::vector<detail::VolumeSum> volumes = volumes_of(mesh, components);
     std::vector<TriangleId> inward;
     std::vector<TriangleId> outward;
     for (std::uint32_t t = 0; t < components.size(); ++t) {

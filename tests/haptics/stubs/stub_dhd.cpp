@@ -1,4 +1,5 @@
-// A stand-in for Force Dimension's libdhd.so: polled, metres, -1 where something fails.
+// A stand-in for Force Dimension's libdhd.so: polled, metres, -1 where something fails. STUB_LEAN leaves
+// functions out that older versions lack.
 #include "stub_hand.h"
 
 namespace {
@@ -37,7 +38,8 @@ int dhdClose(char)
 }
 const char* dhdGetSystemName(char)
 {
-    return stub_state.unknown == stub::never ? "omega.3 (stub)" : "sigma.7 (stub)";
+    constexpr const char* names[] = {"omega.3 (stub)", "sigma.7 (stub)", "FALCON", "delta.3"};
+    return names[stub_state.model];
 }
 int dhdGetPosition(double* x, double* y, double* z, char)
 {
@@ -57,6 +59,7 @@ int dhdGetLinearVelocity(double* x, double* y, double* z, char)
     *z = hand.speed[2];
     return 0;
 }
+#ifndef STUB_LEAN
 bool dhdHasWrist(char)
 {
     return stub_state.wrist != stub::never;
@@ -69,6 +72,7 @@ int dhdGetOrientationFrame(double frame[3][3], char)
             frame[row][column] = stub::turned(stub_state, row, column);
     return 0;
 }
+#endif
 int dhdSetForce(double x, double y, double z, char)
 {
     if (!is_open) ++stub_state.forces_outside;
@@ -87,13 +91,14 @@ int dhdGetButton(int, char)
 {
     return stub::buttons(stub_state);
 }
-unsigned int dhdGetButtonMask(char)
-{
-    return static_cast<unsigned int>(stub::buttons(stub_state));
-}
 const char* dhdErrorGetLastStr()
 {
     return last_error;
+}
+#ifndef STUB_LEAN
+unsigned int dhdGetButtonMask(char)
+{
+    return static_cast<unsigned int>(stub::buttons(stub_state));
 }
 int dhdGetSerialNumber(unsigned short* number, char)
 {
@@ -107,4 +112,5 @@ void dhdGetSDKVersion(int* a, int* b, int* c, int* d)
     *c = 6;
     *d = 1;
 }
+#endif
 }

@@ -32,8 +32,10 @@ struct State {
     long fail_enable = never; ///< likewise: forces cannot be enabled
     long fail_start = never;  ///< likewise: the scheduler does not start
     long press = never;       ///< button 1, for 100 ticks
-    long unknown = never;     ///< anything but never: the model has another name
-    long wrist = never;       ///< likewise: a model that is polled reports how it is turned
+    long model = 0;           ///< which name a device has that is polled
+    long wrist = never;       ///< anything but never: such a device reports how it is turned
+    long needs_hands = never; ///< likewise: a user has to calibrate it
+    long no_limits = never;   ///< likewise: the driver reports none
     long turn = never;        ///< from this tick on it is turned about z, by a right angle
     // A hand that moves the device slowly, then fast, and lets go: a device with these numbers.
     long release = never; ///< the tick; the fast motion takes the 500 ticks before it
@@ -78,8 +80,10 @@ inline void read_environment(State& state)
         if (name == "fail_open") state.fail_open = tick;
         if (name == "fail_enable") state.fail_enable = tick;
         if (name == "press") state.press = tick;
-        if (name == "unknown") state.unknown = tick;
+        if (name == "model") state.model = tick;
         if (name == "wrist") state.wrist = tick;
+        if (name == "needs_hands") state.needs_hands = tick;
+        if (name == "no_limits") state.no_limits = tick;
         if (name == "turn") state.turn = tick;
         if (name == "release") state.release = tick;
         if (name == "friction") state.friction = tick;

@@ -1,6 +1,6 @@
 // A stand-in for OpenHaptics' libHD.so: its functions by their public reference, a scheduler thread
 // at 1,000 Hz (or as a test sets it), millimetres, errors where the real one has them. STUB_OLD leaves
-// functions out.
+// functions out, STUB_LEAN one that may be missing.
 #include "stub_hand.h"
 
 #include <atomic>
@@ -119,6 +119,11 @@ void hdGetIntegerv(unsigned int what, int* value)
 }
 void hdGetDoublev(unsigned int what, double* value)
 {
+    const bool is_limit = what == 0x2551 || what == 0x2602 || what == 0x2603 || what == 0x2609;
+    if (is_limit && stub_state.no_limits != stub::never) {
+        error = invalid_value;
+        return;
+    }
     switch (what) {
     case 0x2052: // the transform, column after column, mm
         if (!in_frame) error = frame_error;
@@ -213,4 +218,10 @@ void hdUnschedule(unsigned long)
 {
     callback = nullptr;
 }
+#ifndef STUB_LEAN
+unsigned int hdCheckCalibration()
+{
+    return stub_state.needs_hands == stub::never ? 0x5000 : 0x5002;
+}
+#endif
 }

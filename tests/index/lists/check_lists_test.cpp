@@ -94,13 +94,15 @@ TEST_F(CheckLists, NamesADamagedRun)
 
 TEST_F(CheckLists, NamesADamagedHeaderOfABlockOfLists)
 {
-    const auto origin = [](float value) {
-        return [=](EditableIndex& e) { std::memcpy(e.arena.data(), &value, 4); };
+    const auto origin = [](std::size_t axis, float value) {
+        return [=](EditableIndex& e) { std::memcpy(e.arena.data() + 4 * axis, &value, 4); };
     };
     const auto header_byte = [](std::size_t at, int value) {
         return [=](EditableIndex& e) { e.arena[at] = static_cast<std::byte>(value); };
     };
-    expect_named({{"a block is damaged", origin(float_nan)},
+    expect_named({{"a block is damaged", origin(0, float_nan)},
+                  {"a block is damaged", origin(1, float_nan)},
+                  {"a block is damaged", origin(2, -HUGE_VALF)},
                   {"a block is damaged", header_byte(15, 0x7F)}, // the unit is no longer a number
                   {"a block is damaged", header_byte(15, 0x80)},
                   {"a block is damaged", header_byte(17, 0x80)},
@@ -131,6 +133,19 @@ TEST_F(CheckLists, NamesBytesOfListsThatBelongToNoBlock)
                              block_alignment);
               e.arena.insert(e.arena.end(), block.begin(), block.end());
               e.arena.resize(e.arena.size() + block_padding);
+          }},
+         {"bytes between blocks",
+          [](EditableIndex& e) {
+              // Behind the first block that ends within what blocks are aligned to.
+              for (std::size_t at = 0;;) {
+                  BlockHeader header;
+                  std::memcpy(&header, e.arena.data() + at, sizeof header);
+                  at += block_layout(header.vertices, header.triangles, header.wide != 0).end;
+                  if (at % block_alignment != 0) {
+                      e.arena[at] = std::byte{1};
+                      return;
+                  }
+              }
           }},
          {"no padding", [](EditableIndex& e) { e.arena.clear(); }},
          {"padding", [](EditableIndex& e) { e.arena.back() = std::byte{1}; }},

@@ -57,6 +57,23 @@ TEST(IntersectByCells, FindsThePairsOfTheMeshIndex)
     }
 }
 
+TEST(IntersectByCells, CountsTheTestsOfCells)
+{
+    const TriangleMesh cube = make_cube();
+    const Octree roots = octree_of(cube, 0);
+    EXPECT_EQ(intersect_by_cells({cube, roots}, {cube, roots}).cell_tests, 1U);
+    // All eight octants hold triangles, and meet at the middle: one level of A, then one of B.
+    const Octree octants = octree_of(cube, 1);
+    const auto found = intersect_by_cells({cube, octants}, {cube, octants});
+    EXPECT_EQ(found.cell_tests, 1U + 8U + 8U * 8U);
+    EXPECT_EQ(found.cell_pairs, 8U * 8U);
+    // Far from each other.
+    const auto apart =
+        intersect_by_cells({cube, octants}, {cube, octants}, {Mat3::Identity(), Vec3(100, 0, 0)});
+    EXPECT_EQ(apart.cell_tests, 1U);
+    EXPECT_EQ(apart.cell_pairs, 0U);
+}
+
 /// Two roots that are leaves: all pairs are candidates, and none may be listed before it is tested.
 TEST(IntersectByCells, StopsBeforeItHasListedAllPairsOfLongLists)
 {

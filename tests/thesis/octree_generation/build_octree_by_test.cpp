@@ -137,6 +137,21 @@ TEST(BuildOctreeTwoPass, TwoPassesUseTheLongestListAsThreshold)
     EXPECT_LT(second->nodes().size(), first->nodes().size());
 }
 
+TEST(BuildOctreeTwoPass, TheSecondPassClassifiesAsAsked)
+{
+    const TriangleMesh mesh = make_torus(60, 40);
+    const auto second = build_octree_two_pass(mesh);
+    ASSERT_TRUE(second);
+    EXPECT_TRUE(second->parameters().classified);
+    EXPECT_GT(octree_statistics(*second).inner, 0U);
+    EXPECT_TRUE(
+        same_cells(*second, *build_octree(mesh, {.threshold = second->parameters().threshold})));
+    const auto unclassified =
+        build_octree_two_pass(mesh, {}, {.classification = Classification::none});
+    ASSERT_TRUE(unclassified);
+    EXPECT_FALSE(unclassified->parameters().classified);
+}
+
 TEST(BuildOctreeBy, StopsWhenCancelled)
 {
     const TriangleMesh mesh = make_sphere(300, 300);

@@ -125,6 +125,31 @@ TEST(ThesisClosest, AgreesWithBruteForce)
     for (const std::size_t count : kinds) EXPECT_GT(count, 500U);
 }
 
+/// Where faces count as one plane at large angles, no edge is listed: those beside it answer.
+TEST(ThesisClosest, AgreesWithBruteForceOverEdgesThatCountAsFlat)
+{
+    std::mt19937 random(14);
+    std::uniform_real_distribution<double> part(0, 1);
+    const TriangleMesh mesh = make_icosphere(1);
+    const Topology topology = *build_topology(mesh);
+    const auto octree =
+        *build_thesis_proximity_octree(mesh, topology, {.max_depth = 5, .flat_sine = 0.9});
+    const Box root = cell_box(octree.frame(), CellKey{});
+    std::size_t edges = 0;
+    for (int i = 0; i < 800; ++i) {
+        const Vec3 p =
+            root.lower + Vec3(part(random), part(random), part(random)).cwiseProduct(root.extent());
+        if (is_behind_all_faces(mesh, p)) continue;
+        const auto found = closest_feature(octree, mesh, topology, p);
+        ASSERT_TRUE(found) << p.transpose();
+        const long double best = oracle::root(brute_distance(mesh, topology, p));
+        EXPECT_NEAR(std::sqrt(found->squared_distance), static_cast<double>(best), 1e-13)
+            << p.transpose();
+        edges += found->feature.kind == FeatureKind::edge ? 1U : 0U;
+    }
+    EXPECT_GT(edges, 100U);
+}
+
 TEST(ThesisClosest, IsAtDistanceZeroOnTheSurface)
 {
     const TriangleMesh mesh = make_cube();
@@ -146,6 +171,28 @@ TEST(ThesisClosest, IsAtDistanceZeroOnTheSurface)
     EXPECT_FALSE(found({0, 0, 0}));
     EXPECT_FALSE(found({2, 0, 0}));
     EXPECT_FALSE(found({std::numeric_limits<double>::quiet_NaN(), 0, 0}));
+}
+
+/// Meshes so small that squares of their lengths vanish may be refused.
+TEST(ThesisClosest, IsRightAtEveryScaleThatItTakes)
+{
+    for (const double size : {1e-300, 1e-170, 1e-160, 1e-140, 1.0, 1e90}) {
+        SCOPED_TRACE(size);
+        const auto proximity = build_thesis_proximity(
+            test::mapped(make_cube(), [&](const Vec3& p) { return Vec3(size * p); }));
+        if (!proximity) {
+            EXPECT_LT(size, 1e-140) << describe(proximity.error());
+            continue;
+        }
+        const auto beside_face = closest_feature(*proximity, size * Vec3(1.25, 0.25, 0.125));
+        ASSERT_TRUE(beside_face);
+        EXPECT_EQ(beside_face->feature.kind, FeatureKind::face);
+        EXPECT_LE((beside_face->point / size - Vec3(1, 0.25, 0.125)).norm(), 1e-12);
+        const auto beside_edge = closest_feature(*proximity, size * Vec3(0.25, -1.25, 1.25));
+        ASSERT_TRUE(beside_edge);
+        EXPECT_EQ(beside_edge->feature.kind, FeatureKind::edge);
+        EXPECT_LE((beside_edge->point / size - Vec3(0.25, -1, 1)).norm(), 1e-12);
+    }
 }
 
 TEST(ThesisClosest, IsTheSameWithItsOwnCopyOfTheMesh)
