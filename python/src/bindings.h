@@ -4,7 +4,10 @@
 #include "proxima/octree.h"
 #include "proxima/triangle_mesh.h"
 
+#include <cxxabi.h>
 #include <pybind11/pybind11.h>
+#include <unistd.h>
+#include <utility>
 
 namespace proxima::python {
 
@@ -28,9 +31,36 @@ inline constexpr const char* without_value =
     "the object was made by __new__ alone and holds nothing: call its class instead";
 
 /// A class of proxima/_results.py, the named tuples of arrays that queries return.
-[[nodiscard]] inline py::object result_type(const char* name)
+class ResultType : public py::object {
+public:
+    explicit ResultType(const char* name)
+        : py::object(py::module_::import("proxima._results").attr(name))
+    {}
+
+    /// An object of the class. It is made in Python, which takes its lock anew now and then: a daemon thread that
+    /// wants it after the interpreter has ended stays here (see Unlocked), as unwinding would let go of arrays.
+    template <class... Arguments>
+    [[nodiscard]] py::object operator()(Arguments&&... arguments) const
+    {
+        const auto given =
+            py::detail::collect_arguments<py::return_value_policy::automatic_reference>(
+                std::forward<Arguments>(arguments)...);
+        const py::dict named = given.kwargs();
+        PyObject* const made = [&] {
+            try {
+                return PyObject_Call(ptr(), given.args().ptr(), named.ptr());
+            } catch (const abi::__forced_unwind&) {
+                for (;;) pause();
+            }
+        }();
+        if (made == nullptr) throw py::error_already_set();
+        return py::reinterpret_steal<py::object>(made);
+    }
+};
+
+[[nodiscard]] inline ResultType result_type(const char* name)
 {
-    return py::module_::import("proxima._results").attr(name);
+    return ResultType(name);
 }
 
 } // namespace proxima::python

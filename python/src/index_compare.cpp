@@ -155,7 +155,7 @@ py::object two_sided(const py::object& there, const py::object& back)
     const DeviationArgument b_to_a(back, "back");
     const auto greatest =
         bounds_array(both_ways(a_to_b.bounds("greatest"), b_to_a.bounds("greatest")));
-    const py::object type = result_type("TwoSidedDeviation");
+    const ResultType type = result_type("TwoSidedDeviation");
     const auto mean_there = a_to_b.mean();
     const auto mean_back = b_to_a.mean();
     if (!mean_there || !mean_back) return type(greatest);

@@ -69,7 +69,7 @@ py::object containment(const MeshIndex& index, const MeshIndex& other, const py:
         }
         return {};
     });
-    const py::object type = result_type("Containments");
+    const ResultType type = result_type("Containments");
     if (!moved.single) return type(which, methods);
     return type(int{answer[0]}, int{method[0]});
 }

@@ -80,7 +80,7 @@ py::object distance_to(const MeshIndex& index, const MeshIndex& other, const py:
         }
         return {};
     });
-    const py::object type = result_type("Distances");
+    const ResultType type = result_type("Distances");
     if (!moved.single) return type(distance, point_a, point_b, triangle_a, triangle_b);
     const py::int_ first(0);
     return type(distance[first], point_a[first], point_b[first], triangle_a[first],

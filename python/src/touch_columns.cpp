@@ -49,7 +49,7 @@ py::object TouchColumns::result(bool single) const
     const py::object contacts =
         result_type("Contacts")(array_of<std::int64_t>(std::span<const std::int64_t>(first_)),
                                 object, triangle, position, normal, pressure);
-    const py::object type = result_type("Touch");
+    const ResultType type = result_type("Touch");
     if (!single) {
         return type(force_, proxy_, anchor_, normal_, depth_, hold_, placed_, fault_, squeezed_,
                     contacts);

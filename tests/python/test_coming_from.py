@@ -1,4 +1,5 @@
-"""The programs in Python of docs/coming_from.md: each pair gives the same answers, where the other library is installed."""
+"""The programs in Python of docs/coming_from.md: each pair gives the same answers, where the other library is installed.
+And the numbers of libigl's names."""
 import importlib.util
 import re
 from pathlib import Path
