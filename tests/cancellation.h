@@ -1,6 +1,7 @@
 // Cancelling work at moments that can be repeated.
 #pragma once
 
+#include "code_of.h"
 #include "proxima/execution.h"
 #include "proxima/result.h"
 
@@ -32,7 +33,7 @@ void cancel_at_every_stage(const Work& work, const IsUnchanged& is_unchanged, in
         if (result && reports > 1) break;
         ++runs;
         ASSERT_FALSE(result) << "not stopped at the first report";
-        EXPECT_EQ(result.error().code, ErrorCode::cancelled) << describe(result.error());
+        EXPECT_EQ(code_of(result), ErrorCode::cancelled) << describe(result.error());
         EXPECT_TRUE(progress.cancelled());
         EXPECT_TRUE(is_unchanged()) << "after report " << reports;
     }

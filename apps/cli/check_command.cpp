@@ -276,9 +276,12 @@ Command add_check_command(CLI::App& app)
     parser->add_flag("--strict", options->strict,
                      "Exit with status 1 where a mesh has warnings or errors");
     parser->final_callback([options] {
-        if (options->strict && (is_octree_file(options->model) || is_index_file(options->model)))
-            throw CLI::ValidationError("--strict", "is about meshes: leave it out, a saved octree or index that is "
-                                       "not sound gives status 1 without it");
+        if (options->strict && (is_octree_file(options->model) || is_index_file(options->model))) {
+            throw CLI::ValidationError(
+                "--strict",
+                "is about meshes: leave it out, a saved octree or index that is not sound "
+                "gives status 1 without it");
+        }
     });
     return {parser, [options](Session& session) {
                 if (is_octree_file(options->model))

@@ -37,7 +37,7 @@ public:
     void start(Work work, std::function<void()> finished = {})
     {
         result_.reset();
-        progress_ = std::make_unique<Progress>();
+        progress_ = std::make_shared<Progress>();
         done_.store(false);
         thread_ = std::thread([this, work = std::move(work), finished = std::move(finished)] {
             run(work);
@@ -69,6 +69,11 @@ public:
 
     /// Of the work at hand, or of the last one. \pre started once
     [[nodiscard]] const Progress& progress() const noexcept { return *progress_; }
+    /// For who watches it beyond its end.
+    [[nodiscard]] std::shared_ptr<const Progress> shared_progress() const noexcept
+    {
+        return progress_;
+    }
 
 private:
     template <class Work>
@@ -83,7 +88,7 @@ private:
     }
 
     std::thread thread_;
-    std::unique_ptr<Progress> progress_;
+    std::shared_ptr<Progress> progress_;
     std::optional<T> result_;
     std::atomic<bool> done_{false};
 };

@@ -100,15 +100,16 @@ Status run_headless(const ViewOptions& options, Session& session)
     if (Status status = prepare(viewer, options); !status) return status;
     viewer.open(options.models);
     {
-        const ProgressBar shown(*viewer.progress(), session.bar());
+        const auto loading = viewer.progress();
+        const ProgressBar shown(*loading, session.bar());
         if (Status status = viewer.finish_loading(&session.progress()); !status) return status;
     }
     // Before there were models any number of one would do.
-    if (Status status = check_settings(options.settings,
-                                       [&](Controls& controls) { viewer.offer(controls); });
+    if (Status status =
+            check_settings(options.settings, [&](Controls& controls) { viewer.offer(controls); });
         !status)
         return status;
-    if (const Progress* const working = viewer.progress(); working != nullptr) {
+    if (const auto working = viewer.progress(); working != nullptr) {
         const ProgressBar shown(*working, session.bar());
         if (Status status = viewer.finish(&session.progress()); !status) return status;
     }

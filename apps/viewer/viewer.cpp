@@ -287,10 +287,10 @@ std::vector<std::string_view> Viewer::panel_names() const
     return names;
 }
 
-const Progress* Viewer::progress() const noexcept
+std::shared_ptr<const Progress> Viewer::progress() const noexcept
 {
-    if (loading_.is_busy()) return &loading_.progress();
-    if (working_.is_busy()) return &working_.progress();
+    if (loading_.is_busy()) return loading_.shared_progress();
+    if (working_.is_busy()) return working_.shared_progress();
     return nullptr;
 }
 

@@ -38,8 +38,8 @@ enum class Placing : std::uint8_t {
 
 struct ViewerOptions {
     Pictures pictures = Pictures::still;
-    std::function<void()> wake = {}; ///< called by the worker when a result is ready
-    CameraChoice camera = {};        ///< at first; its size does not matter
+    std::function<void()> wake = {};               ///< called by the worker when a result is ready
+    CameraChoice camera = {};                      ///< at first; its size does not matter
     Primitives primitives = Primitives::triangles; ///< that are read of files
     Execution execution = {}; ///< budget: of a model and of what is built of it
 };
@@ -76,7 +76,7 @@ public:
     [[nodiscard]] bool is_loading() const noexcept { return loading_.is_busy(); }
     [[nodiscard]] bool is_busy() const noexcept { return is_loading() || working_.is_busy(); }
     [[nodiscard]] bool is_settled() const noexcept { return !is_busy() && shown_ == wanted_; }
-    [[nodiscard]] const Progress* progress() const noexcept;
+    [[nodiscard]] std::shared_ptr<const Progress> progress() const noexcept;
     void cancel() noexcept;
     /// Cancels, and waits until nobody works any more. Finished work is thrown away.
     void stop();

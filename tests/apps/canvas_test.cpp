@@ -1,4 +1,5 @@
 #include "cli/canvas.h"
+#include "code_of.h"
 
 #include <gtest/gtest.h>
 
@@ -29,7 +30,7 @@ TEST(Canvas, IsMadeWithinABudget)
     ASSERT_TRUE(made);
     const auto refused = make_canvas(8192, 8192, {}, nullptr, {.bytes = 110'000'000});
     ASSERT_FALSE(refused);
-    EXPECT_EQ(refused.error().code, ErrorCode::budget_exceeded);
+    EXPECT_EQ(code_of(refused), ErrorCode::budget_exceeded);
 }
 
 TEST(Canvas, ColoursSurviveConversionToLinearLightAndBack)

@@ -1,6 +1,7 @@
 #include "cli/figure.h"
 
 #include "cli/legend.h"
+#include "code_of.h"
 #include "proxima/geometry.h"
 
 #include <gtest/gtest.h>
@@ -141,7 +142,7 @@ TEST(Figure, DrawsLinesOverBoxesAndLaterBoxesOverEarlierOnes)
 
 TEST(Figure, RefusesOtherFileFormats)
 {
-    EXPECT_EQ(write_figure({}, "a.gif").error().code, ErrorCode::unsupported_format);
+    EXPECT_EQ(code_of(write_figure({}, "a.gif")), ErrorCode::unsupported_format);
 }
 
 } // namespace

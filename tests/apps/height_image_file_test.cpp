@@ -2,6 +2,7 @@
 #include "cli/height_image_file.h"
 
 #include "cli/npy_header.h"
+#include "code_of.h"
 #include "folder_test.h"
 
 #include <gtest/gtest.h>
@@ -31,7 +32,7 @@ protected:
     {
         const auto image = read(bytes);
         if (image) return "it was read";
-        EXPECT_EQ(image.error().code, code) << image.error().message;
+        EXPECT_EQ(code_of(image), code) << image.error().message;
         EXPECT_NE(image.error().where.find("height.image"), std::string::npos);
         return image.error().message;
     }
@@ -116,9 +117,9 @@ TEST_F(HeightImageFile, RefusesOtherPictures)
     EXPECT_NE(refusal("P5 2 2 255 abcd", ErrorCode::unsupported_format).find("neither a PNG nor"),
               std::string::npos);
     EXPECT_FALSE(read(""));
-    EXPECT_EQ(read_height_image((folder() / "none.png").string()).error().code,
+    EXPECT_EQ(code_of(read_height_image((folder() / "none.png").string())),
               ErrorCode::file_not_found);
-    EXPECT_EQ(read_height_image(folder().string()).error().code, ErrorCode::file_not_found);
+    EXPECT_EQ(code_of(read_height_image(folder().string())), ErrorCode::file_not_found);
 }
 
 TEST_F(HeightImageFile, RefusesEveryTruncationAndSurvivesEveryByte)

@@ -1,5 +1,6 @@
 #include "cli/list_histogram.h"
 #include "cli/plot.h"
+#include "code_of.h"
 
 #include <algorithm>
 #include <gtest/gtest.h>
@@ -107,7 +108,7 @@ TEST(PlotFile, IsATableOrADrawing)
     for (const char* const name : {"a.csv", "a.svg", "a.PDF", "a.png"})
         EXPECT_TRUE(check_plot_format(name)) << name;
     for (const char* const name : {"a.gif", "a", "-"})
-        EXPECT_EQ(check_plot_format(name).error().code, ErrorCode::unsupported_format) << name;
+        EXPECT_EQ(code_of(check_plot_format(name)), ErrorCode::unsupported_format) << name;
 }
 
 } // namespace

@@ -1,5 +1,6 @@
 #include "base/binary_file.h"
 
+#include "code_of.h"
 #include "damaged_files.h"
 #include "folder_test.h"
 
@@ -57,7 +58,7 @@ protected:
     {
         const auto file = load(content, Verification::structure);
         ASSERT_FALSE(file) << words;
-        EXPECT_EQ(file.error().code, code);
+        EXPECT_EQ(code_of(file), code);
         EXPECT_EQ(file.error().where, "in memory");
         EXPECT_NE(file.error().message.find(words), std::string::npos) << file.error().message;
     }
@@ -115,8 +116,8 @@ TEST_F(BinaryFileTest, HoldsWhatWasWritten)
             EXPECT_EQ(std::vector(second.begin(), second.end()), numbers);
             EXPECT_EQ(reinterpret_cast<std::uintptr_t>(second.data()) % section_alignment, 0U);
             EXPECT_TRUE(file->section<std::uint8_t>(2).value().empty());
-            EXPECT_EQ(file->section<std::uint32_t>(9).error().code, ErrorCode::malformed_file);
-            EXPECT_EQ(file->section<std::uint32_t>(8).error().code, ErrorCode::malformed_file);
+            EXPECT_EQ(code_of(file->section<std::uint32_t>(9)), ErrorCode::malformed_file);
+            EXPECT_EQ(code_of(file->section<std::uint32_t>(8)), ErrorCode::malformed_file);
         }
     }
 }
@@ -176,9 +177,9 @@ TEST_F(BinaryFileTest, ReportsProgressAndStopsOnRequest)
     ASSERT_TRUE(write_binary_file(path("file"), format, sections, &progress));
     EXPECT_STREQ(progress.stage(), "writing");
     progress.cancel();
-    EXPECT_EQ(write_binary_file(path("file"), format, sections, &progress).error().code,
+    EXPECT_EQ(code_of(write_binary_file(path("file"), format, sections, &progress)),
               ErrorCode::cancelled);
-    EXPECT_EQ(BinaryFile::open(path("file"), format, {.progress = &progress}).error().code,
+    EXPECT_EQ(code_of(BinaryFile::open(path("file"), format, {.progress = &progress})),
               ErrorCode::cancelled);
     EXPECT_TRUE(BinaryFile::open(path("file"), format, {}));
 }
@@ -194,7 +195,7 @@ TEST_F(BinaryFileTest, HasUpTo256Sections)
     ASSERT_TRUE(file) << file.error().message;
     EXPECT_EQ(file->section<std::uint8_t>(255).value()[0], 1);
     sections.push_back(binary_section<std::uint8_t>(256, std::span(&byte, 1)));
-    EXPECT_EQ(write_binary_file(path("file"), format, sections).error().code,
+    EXPECT_EQ(code_of(write_binary_file(path("file"), format, sections)),
               ErrorCode::limit_exceeded);
     EXPECT_TRUE(BinaryFile::open(path("file"), format, {})) << "the file is as it was";
 }

@@ -1,6 +1,7 @@
 #include "base/input_file.h"
 
 #include "base/without_standard_input.h"
+#include "code_of.h"
 #include "folder_test.h"
 
 #include <cerrno>
@@ -90,7 +91,7 @@ TEST_F(InputFile, ReportsProgressAndStopsOnRequest)
     EXPECT_STREQ(progress.stage(), "loading file");
     EXPECT_GT(progress.fraction(), 0.7);
     progress.cancel();
-    EXPECT_EQ(read_file(name, {.progress = &progress}).error().code, ErrorCode::cancelled);
+    EXPECT_EQ(code_of(read_file(name, {.progress = &progress})), ErrorCode::cancelled);
 }
 
 TEST_F(InputFile, IsWithinTheBudgetToTheByte)
@@ -99,7 +100,7 @@ TEST_F(InputFile, IsWithinTheBudgetToTheByte)
     EXPECT_TRUE(read_file(name, {.budget = {5000}}));
     const auto refused = read_file(name, {.budget = {4999}, .advice = "take a smaller one"});
     ASSERT_FALSE(refused);
-    EXPECT_EQ(refused.error().code, ErrorCode::budget_exceeded);
+    EXPECT_EQ(code_of(refused), ErrorCode::budget_exceeded);
     EXPECT_NE(refused.error().message.find("take a smaller one"), std::string::npos);
     EXPECT_TRUE(read_file(name, {.access = FileAccess::map, .budget = {1}}));
 }
@@ -124,7 +125,7 @@ TEST_F(InputFile, GoesOnAfterASignalAndSaysWhatElseFails)
     failing_reads = {.calls = 1, .error_number = EIO};
     const auto broken = read_file(name, {});
     ASSERT_FALSE(broken);
-    EXPECT_EQ(broken.error().code, ErrorCode::file_not_found);
+    EXPECT_EQ(code_of(broken), ErrorCode::file_not_found);
     EXPECT_NE(broken.error().message.find("Input/output error"), std::string::npos)
         << broken.error().message;
     failing_reads = {.calls = 3, .error_number = EINTR};
@@ -136,7 +137,7 @@ TEST_F(InputFile, GoesOnAfterASignalAndSaysWhatElseFails)
     failing_reads = {.calls = 1, .error_number = EINTR, .returns = 0};
     const auto shorter = read_file(name, {});
     ASSERT_FALSE(shorter);
-    EXPECT_EQ(shorter.error().code, ErrorCode::malformed_file);
+    EXPECT_EQ(code_of(shorter), ErrorCode::malformed_file);
     EXPECT_NE(shorter.error().message.find("from 7 to 0 bytes"), std::string::npos)
         << shorter.error().message;
 }
@@ -147,7 +148,7 @@ TEST_F(InputFile, SaysWhyItCannotBeRead)
         for (const FileAccess access : {FileAccess::read, FileAccess::map}) {
             const auto file = read_file(name, {.access = access});
             ASSERT_FALSE(file);
-            EXPECT_EQ(file.error().code, code);
+            EXPECT_EQ(code_of(file), code);
             EXPECT_EQ(file.error().where, name.string());
             EXPECT_NE(file.error().message.find(words), std::string::npos) << file.error().message;
         }

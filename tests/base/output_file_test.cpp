@@ -1,6 +1,7 @@
 #include "base/output_file.h"
 
 #include "base/without_standard_input.h"
+#include "code_of.h"
 #include "folder_test.h"
 
 #include <array>
@@ -131,8 +132,8 @@ TEST_F(OutputFileTest, KeepsTheOldContentWhenCancelled)
     EXPECT_STREQ(progress.stage(), "writing");
     EXPECT_GT(progress.fraction(), 0.2);
     progress.cancel();
-    EXPECT_EQ(file->write(std::string(1'000'000, 'x')).error().code, ErrorCode::cancelled);
-    EXPECT_EQ(file->commit().error().code, ErrorCode::cancelled);
+    EXPECT_EQ(code_of(file->write(std::string(1'000'000, 'x'))), ErrorCode::cancelled);
+    EXPECT_EQ(code_of(file->commit()), ErrorCode::cancelled);
     EXPECT_EQ(content(path("a.txt")), "old");
     EXPECT_EQ(entries(), 1);
 }
@@ -326,14 +327,14 @@ TEST_F(OutputFileTest, CreatesTheTargetOfADanglingLinkAndRefusesALoop)
     fs::create_symlink("loop", path("loop"));
     const auto loop = OutputFile::create(path("loop"));
     ASSERT_FALSE(loop);
-    EXPECT_EQ(loop.error().code, ErrorCode::file_not_writable);
+    EXPECT_EQ(code_of(loop), ErrorCode::file_not_writable);
 }
 
 TEST_F(OutputFileTest, ReportsWhyADestinationCannotBeWritten)
 {
     const auto missing = OutputFile::create(path("missing/a.txt"));
     ASSERT_FALSE(missing);
-    EXPECT_EQ(missing.error().code, ErrorCode::file_not_writable);
+    EXPECT_EQ(code_of(missing), ErrorCode::file_not_writable);
     EXPECT_NE(missing.error().message.find("does not exist"), std::string::npos);
     EXPECT_EQ(missing.error().where, path("missing/a.txt").string());
 
@@ -341,7 +342,7 @@ TEST_F(OutputFileTest, ReportsWhyADestinationCannotBeWritten)
     for (const char* inside : {"a.obj/a.csv", "a.obj/b/a.csv"}) {
         const auto file_as_folder = OutputFile::create(path(inside));
         ASSERT_FALSE(file_as_folder);
-        EXPECT_EQ(file_as_folder.error().code, ErrorCode::file_not_writable);
+        EXPECT_EQ(code_of(file_as_folder), ErrorCode::file_not_writable);
         EXPECT_NE(file_as_folder.error().message.find(path("a.obj").string() + " is not a folder"),
                   std::string::npos)
             << file_as_folder.error().message;
@@ -350,14 +351,14 @@ TEST_F(OutputFileTest, ReportsWhyADestinationCannotBeWritten)
     // A folder that is there, in which nobody can make files.
     const auto closed = OutputFile::create("/proc/a.txt");
     ASSERT_FALSE(closed);
-    EXPECT_EQ(closed.error().code, ErrorCode::file_not_writable);
+    EXPECT_EQ(code_of(closed), ErrorCode::file_not_writable);
     EXPECT_NE(closed.error().message.find("choose a folder that you may write to"),
               std::string::npos);
 
     fs::create_directory(path("folder"));
     const auto folder = OutputFile::create(path("folder"));
     ASSERT_FALSE(folder);
-    EXPECT_EQ(folder.error().code, ErrorCode::file_not_writable);
+    EXPECT_EQ(code_of(folder), ErrorCode::file_not_writable);
     EXPECT_NE(folder.error().message.find("folder"), std::string::npos);
     EXPECT_FALSE(OutputFile::create(path("folder/")));
     EXPECT_FALSE(OutputFile::create(""));
@@ -368,7 +369,7 @@ TEST_F(OutputFileTest, RefusesNamesThatAreTooLongBeforeAnythingIsWritten)
     EXPECT_TRUE(OutputFile::create(path(std::string(255, 'a'))));
     const auto file = OutputFile::create(path(std::string(256, 'a')));
     ASSERT_FALSE(file);
-    EXPECT_EQ(file.error().code, ErrorCode::file_not_writable);
+    EXPECT_EQ(code_of(file), ErrorCode::file_not_writable);
     EXPECT_NE(file.error().message.find("shorter"), std::string::npos);
 }
 
@@ -418,14 +419,14 @@ TEST_F(OutputFileTest, WaitsForAPipesReaderForSomeSeconds)
     ASSERT_EQ(::mkfifo(path("pipe").c_str(), 0600), 0);
     const auto refused = OutputFile::create(path("pipe"));
     ASSERT_FALSE(refused);
-    EXPECT_EQ(refused.error().code, ErrorCode::file_not_writable);
+    EXPECT_EQ(code_of(refused), ErrorCode::file_not_writable);
     EXPECT_NE(refused.error().message.find("start its reader first"), std::string::npos);
 
     Progress progress;
     progress.cancel();
     const auto stopped = OutputFile::create(path("pipe"), {.progress = &progress});
     ASSERT_FALSE(stopped);
-    EXPECT_EQ(stopped.error().code, ErrorCode::cancelled);
+    EXPECT_EQ(code_of(stopped), ErrorCode::cancelled);
 
     std::string read;
     std::jthread reader([&] {
@@ -449,7 +450,7 @@ TEST(OutputFileDevices, ReportsAFullDeviceAtTheLatestOnCommit)
     (void)file->write("x");
     const auto status = file->commit();
     ASSERT_FALSE(status);
-    EXPECT_EQ(status.error().code, ErrorCode::file_not_writable);
+    EXPECT_EQ(code_of(status), ErrorCode::file_not_writable);
     EXPECT_EQ(status.error().message.find("kept"), std::string::npos) << status.error().message;
 
     auto large = OutputFile::create("/dev/full");

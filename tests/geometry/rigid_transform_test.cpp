@@ -1,3 +1,4 @@
+#include "code_of.h"
 #include "proxima/geometry.h"
 
 #include <gtest/gtest.h>
@@ -62,7 +63,7 @@ TEST(RigidTransform, RefusesWhatIsNotRigid)
     const auto refuses = [](const Numbers& numbers, const char* what) {
         const auto pose = make_rigid_transform(numbers);
         ASSERT_FALSE(pose) << what;
-        EXPECT_EQ(pose.error().code, ErrorCode::invalid_argument);
+        EXPECT_EQ(code_of(pose), ErrorCode::invalid_argument);
         EXPECT_NE(pose.error().message.find(what), std::string::npos) << pose.error().message;
     };
     Numbers bad = good;

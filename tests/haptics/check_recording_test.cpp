@@ -1,5 +1,6 @@
 // Recordings of forged files: refused with the field's name, or replayed without harm.
 #include "base/binary_file.h"
+#include "code_of.h"
 #include "damaged_files.h"
 #include "exact_copy.h"
 #include "folder_test.h"
@@ -243,7 +244,7 @@ TEST_F(ForgedRecordingTest, NamesTheFieldThatIsOutOfRange)
             forgery.number(recording) = wrong;
             const auto loaded = reloaded(recording);
             ASSERT_FALSE(loaded) << forgery.field << ' ' << wrong;
-            EXPECT_EQ(loaded.error().code, ErrorCode::malformed_file);
+            EXPECT_EQ(code_of(loaded), ErrorCode::malformed_file);
             EXPECT_EQ(loaded.error().message.find(forgery.field), 0U)
                 << wrong << ": " << loaded.error().message;
             EXPECT_NE(loaded.error().message.find("record the session again"), std::string::npos)
@@ -357,7 +358,7 @@ TEST_F(ForgedRecordingTest, ForgedImagesAreNamed)
     const auto message = [](const std::string& some) {
         const auto loaded = load_bytes(some);
         if (loaded) return std::string();
-        EXPECT_EQ(loaded.error().code, ErrorCode::malformed_file);
+        EXPECT_EQ(code_of(loaded), ErrorCode::malformed_file);
         return loaded.error().message;
     };
     constexpr std::uint32_t sizes = 10;

@@ -1,5 +1,6 @@
 // Bodies with other vertex positions: what they feel like beside other ways to the same surface, and
 // which positions are refused.
+#include "code_of.h"
 #include "haptics/changing_shapes.h"
 #include "haptics/scene/move_with_objects.h"
 
@@ -107,7 +108,7 @@ TEST(DeformedBody, RefusesWhatIsNoShapeOfTheObject)
     const auto refit = refit_touch_body(body, positions);
     ASSERT_TRUE(refit);
     // A body with equal triangles that was built on its own is no refit.
-    EXPECT_EQ(scene.deform(*object, body_of(flat), 0.01).error().code, ErrorCode::invalid_argument);
+    EXPECT_EQ(code_of(scene.deform(*object, body_of(flat), 0.01)), ErrorCode::invalid_argument);
     EXPECT_FALSE(scene.deform(*object, *refit, -1));
     EXPECT_FALSE(scene.deform(*object, *refit, std::nan("")));
     EXPECT_TRUE(scene.deform(*object, *refit, 0.01));
@@ -120,7 +121,7 @@ TEST(DeformedBody, RefusesWhatIsNoShapeOfTheObject)
                   .message.find("bounds"),
               std::string::npos);
     positions[0].x() = std::nan("");
-    EXPECT_EQ(refit_touch_body(body, positions).error().code, ErrorCode::invalid_mesh);
+    EXPECT_EQ(code_of(refit_touch_body(body, positions)), ErrorCode::invalid_mesh);
     positions.pop_back();
     const auto few = refit_touch_body(body, positions);
     ASSERT_FALSE(few);
@@ -145,7 +146,7 @@ TEST(DeformedBody, StaysWithinBoundsWhileItChanges)
         for (int i = 0; i < ticks; ++i) renderer.tick(at(Vec3(0, 0, 0.9)), tick_seconds);
     };
     tick_for(50);
-    EXPECT_EQ(scene.move(*object, aside).error().code, ErrorCode::invalid_argument);
+    EXPECT_EQ(code_of(scene.move(*object, aside)), ErrorCode::invalid_argument);
     tick_for(60);
     EXPECT_TRUE(scene.move(*object, aside));
 }

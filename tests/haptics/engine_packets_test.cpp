@@ -136,19 +136,18 @@ TEST(EnginePackets, TouchIsLaidOutAsDocumented)
     encode(packet, bytes);
     static_assert(sizeof bytes == 576);
     EXPECT_EQ(std::memcmp(bytes.data(), "PXTO\x02\0\x40\x02", 8), 0);
-    const auto has = [&](std::size_t at, const auto& wanted) {
-        EXPECT_EQ(std::memcmp(bytes.data() + at, &wanted, sizeof wanted), 0) << at;
-    };
-    for (std::uint64_t at = 8; at < 96; at += 8) has(at, at);
-    for (const std::uint32_t at : {96U, 100U, 104U, 112U}) has(at, at);
-    has(108, std::uint32_t{2});
-    has(116, std::uint32_t{0});
-    for (std::size_t at = 120; at < 384; at += 8) has(at, static_cast<double>(at));
+    for (std::uint64_t at = 8; at < 96; at += 8)
+        EXPECT_EQ(std::memcmp(bytes.data() + at, &at, sizeof at), 0) << at;
+    for (const std::uint32_t at : {96U, 100U, 104U, 112U}) EXPECT_EQ(whole_at(bytes, at), at);
+    EXPECT_EQ(whole_at(bytes, 108), 2U);
+    EXPECT_EQ(whole_at(bytes, 116), 0U);
+    for (std::size_t at = 120; at < 384; at += 8)
+        EXPECT_EQ(number_at(bytes, at), static_cast<double>(at));
     for (const std::uint32_t contact : {384U, 448U, 512U}) {
-        has(contact, contact);
-        has(contact + 4, contact + 4);
+        EXPECT_EQ(whole_at(bytes, contact), contact);
+        EXPECT_EQ(whole_at(bytes, contact + 4), contact + 4);
         for (std::size_t at = contact + 8; at < contact + 64; at += 8)
-            has(at, static_cast<double>(at));
+            EXPECT_EQ(number_at(bytes, at), static_cast<double>(at));
     }
 }
 

@@ -1,5 +1,6 @@
 #include "proxima/haptic_renderer.h"
 
+#include "code_of.h"
 #include "counted_allocations.h"
 #include "folder_test.h"
 #include "haptics/force/surface_renderer.h"
@@ -470,11 +471,11 @@ TEST_F(RecordingTest, RefusesDamagedFiles)
     file.close();
     const auto damaged = load_recording(path);
     ASSERT_FALSE(damaged);
-    EXPECT_EQ(damaged.error().code, ErrorCode::malformed_file);
+    EXPECT_EQ(code_of(damaged), ErrorCode::malformed_file);
     recording.settings.render.dynamic_friction = 2; // more than the static one
     ASSERT_TRUE(save_recording(recording, path));
-    EXPECT_EQ(load_recording(path).error().code, ErrorCode::malformed_file);
-    EXPECT_EQ(load_recording(folder() / "none.pxt").error().code, ErrorCode::file_not_found);
+    EXPECT_EQ(code_of(load_recording(path)), ErrorCode::malformed_file);
+    EXPECT_EQ(code_of(load_recording(folder() / "none.pxt")), ErrorCode::file_not_found);
 }
 
 TEST(HandScript, IsSmoothAndPeriodic)

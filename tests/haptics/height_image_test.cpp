@@ -1,6 +1,7 @@
 // Height images against closed forms of splines, brute force over their cells, and each other.
 #include "haptics/surface/height_image.h"
 
+#include "code_of.h"
 #include "haptics/height_images.h"
 #include "haptics/surface/height_field.h"
 #include "proxima/device.h"
@@ -284,7 +285,7 @@ TEST(HeightImage, WrongSamplesAreNamed)
     const auto message = [](const std::vector<float>& samples, std::size_t columns) {
         const auto image = build_height_image(samples, columns);
         if (image) return std::string();
-        EXPECT_EQ(image.error().code, ErrorCode::invalid_argument);
+        EXPECT_EQ(code_of(image), ErrorCode::invalid_argument);
         EXPECT_EQ(image.error().where, "height image");
         return image.error().message;
     };

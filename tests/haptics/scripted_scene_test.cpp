@@ -1,4 +1,5 @@
 // Objects that move by scripts, and what a session says of them.
+#include "code_of.h"
 #include "counted_allocations.h"
 #include "haptics/force/surface_renderer.h"
 #include "haptics/loop/recording.h"
@@ -330,7 +331,7 @@ TEST(Recording, StoresAScene)
     ASSERT_TRUE(save_recording(recording, path));
     const auto refused = load_recording(path);
     ASSERT_FALSE(refused);
-    EXPECT_EQ(refused.error().code, ErrorCode::malformed_file);
+    EXPECT_EQ(code_of(refused), ErrorCode::malformed_file);
     std::filesystem::remove(path);
 }
 

@@ -1,5 +1,6 @@
 // The makers' libraries, by stubs that behave like them (stubs/).
 #include "base/shared_library.h"
+#include "code_of.h"
 #include "haptics/device/dhd_device.h"
 #include "haptics/device/hd_device.h"
 #include "haptics/device_session.h"
@@ -245,13 +246,13 @@ TEST(HdDevice, ReportsWhatIsMissing)
 {
     const auto none = open_hd_device({.library = "/nowhere/libHD.so"});
     ASSERT_FALSE(none);
-    EXPECT_EQ(none.error().code, ErrorCode::file_not_found);
+    EXPECT_EQ(code_of(none), ErrorCode::file_not_found);
     for (const char* const part : {"libHD.so was not found", "tried /nowhere/libHD.so",
                                    "No such file", "install OpenHaptics", "--device-library"})
         EXPECT_NE(none.error().message.find(part), std::string::npos) << none.error().message;
     const auto old = open_hd_device({.library = STUB_HD_OLD});
     ASSERT_FALSE(old);
-    EXPECT_EQ(old.error().code, ErrorCode::unsupported_format);
+    EXPECT_EQ(code_of(old), ErrorCode::unsupported_format);
     EXPECT_NE(old.error().message.find("lacks hdBeginFrame, hdEndFrame"), std::string::npos)
         << old.error().message;
     const auto unknown = open_hd_device({.device = "Right", .library = STUB_HD});
@@ -393,7 +394,7 @@ TEST(HdDevice, IsNotOpenedBeforeAUserCalibratesIt)
     const auto device = open_hd_device({.library = STUB_HD});
     ::unsetenv("PROXIMA_STUB");
     ASSERT_FALSE(device);
-    EXPECT_EQ(device.error().code, ErrorCode::limit_exceeded);
+    EXPECT_EQ(code_of(device), ErrorCode::limit_exceeded);
     EXPECT_NE(device.error().message.find("not calibrated: put its stylus into the inkwell"),
               std::string::npos)
         << device.error().message;

@@ -1,5 +1,6 @@
 // Several tools in one scene, each with a servo loop of its own. The oracle: a scene for each tool,
 // told the same at the same time.
+#include "code_of.h"
 #include "counted_allocations.h"
 #include "haptics/scene/moving_surface.h"
 #include "haptics/scene/scene_clock.h"
@@ -277,7 +278,7 @@ TEST(ToolsInOneScene, AreLimitedInNumber)
         tools.push_back(tool_in(scene, tool));
     const auto refused = make_haptic_renderer(scene, WorkspaceMap{}, *find_device("omni"));
     ASSERT_FALSE(refused);
-    EXPECT_EQ(refused.error().code, ErrorCode::invalid_argument);
+    EXPECT_EQ(code_of(refused), ErrorCode::invalid_argument);
     EXPECT_EQ(refused.error().message,
               "a scene cannot have more than 8 renderers at a time: destroy one first");
     tools.erase(tools.begin() + 3);

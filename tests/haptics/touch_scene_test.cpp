@@ -1,5 +1,6 @@
 #include "proxima/touch_scene.h"
 
+#include "code_of.h"
 #include "haptics/proxy/proxy.h"
 #include "haptics/scene/scene_input.h"
 #include "haptics/scene/touch_access.h"
@@ -249,7 +250,7 @@ TEST(TouchScene, RefusesMoreTrianglesThanItsIdsName)
     EXPECT_TRUE(check_scene_triangles(std::size_t{1} << scene_triangle_bits));
     const Status status = check_scene_triangles((std::size_t{1} << scene_triangle_bits) + 1);
     ASSERT_FALSE(status);
-    EXPECT_EQ(status.error().code, ErrorCode::invalid_argument);
+    EXPECT_EQ(code_of(status), ErrorCode::invalid_argument);
     EXPECT_NE(status.error().message.find("67108864 triangles, not 67108865"), std::string::npos);
 }
 
@@ -264,7 +265,7 @@ TEST(TouchScene, RefusesObjectsThatWereNotAdded)
              {scene.move(none, {}), scene.exchange(none, body), scene.deform(none, body, 0.01),
               scene.set_material(none, {}, 0)}) {
             ASSERT_FALSE(status);
-            EXPECT_EQ(status.error().code, ErrorCode::invalid_argument);
+            EXPECT_EQ(code_of(status), ErrorCode::invalid_argument);
             EXPECT_EQ(status.error().message,
                       "no object has the id " + std::to_string(id) + ": the scene has 1 object");
         }

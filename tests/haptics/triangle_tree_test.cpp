@@ -1,6 +1,7 @@
 #include "haptics/surface/triangle_tree.h"
 
 #include "base/simd.h"
+#include "code_of.h"
 #include "counted_allocations.h"
 #include "index/test_meshes.h"
 #include "mesh/triangle_order.h"
@@ -233,20 +234,20 @@ TEST(TriangleTree, DoesNotAllocateInQueries)
 
 TEST(TriangleTree, RefusesInvalidMeshesAndStopsOnRequest)
 {
-    EXPECT_EQ(build_triangle_tree(TriangleMesh{}, {}).error().code, ErrorCode::invalid_mesh);
+    EXPECT_EQ(code_of(build_triangle_tree(TriangleMesh{}, {})), ErrorCode::invalid_mesh);
     const auto scaled = [](double scale) {
         return moved(cube_mesh(Vec3::Zero(), 1.0), [&](const Vec3& p) { return Vec3(scale * p); });
     };
     std::vector<TriangleId> order(12);
     for (std::uint32_t i = 0; i < 12; ++i) order[i] = TriangleId{i};
     for (const double scale : {std::nan(""), 1e150, 1e308}) {
-        EXPECT_EQ(build_triangle_tree(scaled(scale), order).error().code, ErrorCode::invalid_mesh);
+        EXPECT_EQ(code_of(build_triangle_tree(scaled(scale), order)), ErrorCode::invalid_mesh);
     }
     EXPECT_TRUE(build_triangle_tree(scaled(1e149), order));
     EXPECT_TRUE(build_triangle_tree(scaled(1e-300), order));
     Progress progress;
     progress.cancel();
-    EXPECT_EQ(build_triangle_tree(scaled(1.0), order, {.progress = &progress}).error().code,
+    EXPECT_EQ(code_of(build_triangle_tree(scaled(1.0), order, {.progress = &progress})),
               ErrorCode::cancelled);
 }
 

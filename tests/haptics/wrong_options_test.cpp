@@ -1,4 +1,5 @@
 // Numbers out of range give an error that names them, before anything is made.
+#include "code_of.h"
 #include "proxima/device.h"
 #include "proxima/haptic_renderer.h"
 #include "proxima/mesh_index.h"
@@ -35,7 +36,7 @@ std::string named_by(const Settings& settings)
         make_haptic_renderer(scene, settings.map, settings.device, settings.render);
     EXPECT_EQ(of_index.has_value(), of_scene.has_value());
     if (of_index) return {};
-    EXPECT_EQ(of_index.error().code, ErrorCode::invalid_argument);
+    EXPECT_EQ(code_of(of_index), ErrorCode::invalid_argument);
     EXPECT_EQ(of_index.error().where, of_scene.error().where);
     EXPECT_FALSE(of_index.error().message.empty());
     return of_index.error().where;
@@ -98,7 +99,7 @@ TEST(MakeHapticRenderer, RefusesAnEmptyIndex)
 {
     const auto renderer = make_haptic_renderer(MeshIndex(), {}, *find_device("omni"));
     ASSERT_FALSE(renderer);
-    EXPECT_EQ(renderer.error().code, ErrorCode::invalid_mesh);
+    EXPECT_EQ(code_of(renderer), ErrorCode::invalid_mesh);
 }
 
 TEST(MakeDeviceInput, NamesTheOptionThatIsOutOfRange)
@@ -106,7 +107,7 @@ TEST(MakeDeviceInput, NamesTheOptionThatIsOutOfRange)
     const auto named = [](const DeviceInfo& info, const InputOptions& options) {
         const auto input = make_device_input(info, options);
         if (input) return std::string();
-        EXPECT_EQ(input.error().code, ErrorCode::invalid_argument);
+        EXPECT_EQ(code_of(input), ErrorCode::invalid_argument);
         return input.error().where;
     };
     EXPECT_EQ(named({}, {}), "");
@@ -136,7 +137,7 @@ TEST(OpenDevice, TakesTheNamesOfTheManual)
         EXPECT_FALSE(is_device_name(name)) << name;
         const auto device = open_device(name);
         ASSERT_FALSE(device);
-        EXPECT_EQ(device.error().code, ErrorCode::invalid_argument);
+        EXPECT_EQ(code_of(device), ErrorCode::invalid_argument);
     }
 }
 
@@ -149,7 +150,7 @@ TEST(OpenDevice, OpensByName)
     for (const char* const name : {"hd", "hd:Left", "dhd", "dhd:1"}) {
         const auto none = open_device(name, {.library = "/nowhere/lib.so"});
         ASSERT_FALSE(none);
-        EXPECT_EQ(none.error().code, ErrorCode::file_not_found);
+        EXPECT_EQ(code_of(none), ErrorCode::file_not_found);
     }
     const auto hd = open_device("hd:Left", {.library = STUB_HD});
     ASSERT_TRUE(hd) << describe(hd.error());

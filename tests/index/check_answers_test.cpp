@@ -1,6 +1,7 @@
 // An index that is sound but answers wrongly is found by comparing with all triangles.
 #include "query/closest/check_answers.h"
 
+#include "code_of.h"
 #include "index/damaged_index.h"
 #include "lab/query_sets.h"
 
@@ -53,7 +54,7 @@ TEST(CheckAnswers, CanBeCancelled)
     const Status status =
         check_answers(index, mesh, topology, points, {.execution = {.progress = &progress}});
     ASSERT_FALSE(status);
-    EXPECT_EQ(status.error().code, ErrorCode::cancelled);
+    EXPECT_EQ(code_of(status), ErrorCode::cancelled);
 }
 
 } // namespace

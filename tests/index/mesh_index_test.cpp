@@ -1,6 +1,7 @@
 #include "proxima/mesh_index.h"
 
 #include "cancellation.h"
+#include "code_of.h"
 #include "index/index_parts.h"
 #include "index/test_meshes.h"
 #include "octree/nasty_meshes.h"
@@ -246,7 +247,7 @@ TEST(MeshIndex, IsUsableWhenEmptyOrMovedFrom)
     EXPECT_TRUE(empty.ids().empty());
     EXPECT_FALSE(empty.has_lists());
     EXPECT_EQ(mesh_of(empty)->triangle_count(), 0U);
-    EXPECT_EQ(with_lists(empty).error().code, ErrorCode::invalid_mesh);
+    EXPECT_EQ(code_of(with_lists(empty)), ErrorCode::invalid_mesh);
     EXPECT_FALSE(empty.has_slabs());
     MeshIndex index = build_mesh_index(cube_mesh(Vec3::Zero(), 1.0)).value();
     const MeshIndex taken = index;

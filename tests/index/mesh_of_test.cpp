@@ -2,6 +2,7 @@
 #include "proxima/mesh_index.h"
 
 #include "base/text.h"
+#include "code_of.h"
 #include "index/check_edges.h"
 #include "index/index_parts.h"
 #include "index/test_meshes.h"
@@ -104,7 +105,7 @@ TEST(MeshOf, DetectsAnotherMesh)
     for (const TriangleMesh* other : {&larger, &sphere}) {
         const Status status = check_same_mesh(index, *other);
         ASSERT_FALSE(status);
-        EXPECT_EQ(status.error().code, ErrorCode::invalid_argument);
+        EXPECT_EQ(code_of(status), ErrorCode::invalid_argument);
         EXPECT_NE(status.error().message.find(" 12 triangles"), std::string::npos)
             << status.error().message;
         EXPECT_NE(status.error().message.find(

@@ -1,5 +1,6 @@
 // What the readers say about files that they refuse, and when they stop.
 #include "base/text.h"
+#include "code_of.h"
 #include "mesh/mesh_files.h"
 #include "proxima/sample_meshes.h"
 
@@ -336,7 +337,7 @@ TEST(MeshIoErrors, RefuseBudgetsBelowTheTextAndTheArrays)
         if (format == MeshFormat::stl) least += mesh.vertex_count() * sizeof(std::uint32_t);
         const auto refused = read_within(least - 1);
         ASSERT_FALSE(refused) << format_name(format);
-        EXPECT_EQ(refused.error().code, ErrorCode::budget_exceeded);
+        EXPECT_EQ(code_of(refused), ErrorCode::budget_exceeded);
         const auto read = read_within(8 * least);
         ASSERT_TRUE(read) << describe(read.error());
         EXPECT_EQ(read->vertex_count(), mesh.vertex_count());
@@ -352,7 +353,7 @@ TEST(MeshIoErrors, StopOnRequest)
         const auto mesh =
             read_text(seed.content, seed.format, {.execution = {.progress = &progress}});
         ASSERT_FALSE(mesh) << seed.name;
-        EXPECT_EQ(mesh.error().code, ErrorCode::cancelled) << seed.name;
+        EXPECT_EQ(code_of(mesh), ErrorCode::cancelled) << seed.name;
     }
 }
 

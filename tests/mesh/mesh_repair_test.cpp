@@ -1,4 +1,5 @@
 // What each step of a repair does.
+#include "code_of.h"
 #include "mesh/mesh_drafts.h"
 #include "mesh/random_soups.h"
 #include "mesh/repaired.h"
@@ -318,7 +319,7 @@ TEST(MeshRepair, RefusesWrongOptions)
         EXPECT_EQ(code({.min_component_area = area}), "min_component_area");
     const auto small = repair_mesh(cube, {.execution = {.budget = {1000}}});
     ASSERT_FALSE(small);
-    EXPECT_EQ(small.error().code, ErrorCode::budget_exceeded);
+    EXPECT_EQ(code_of(small), ErrorCode::budget_exceeded);
 }
 
 TEST(MeshRepair, TurnsPartsBesideWhatIsFarAway)

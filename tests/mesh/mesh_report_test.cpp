@@ -1,5 +1,6 @@
 #include "proxima/mesh_report.h"
 
+#include "code_of.h"
 #include "mesh/mesh_drafts.h"
 #include "proxima/mesh_repair.h"
 #include "proxima/sample_meshes.h"
@@ -435,16 +436,15 @@ TEST(MeshReport, StopsOnRequestAndRespectsItsBudget)
     EXPECT_EQ(whole.fraction(), 1);
     Progress progress;
     progress.cancel();
-    EXPECT_EQ(report_mesh(make_cube(), {.execution = {.progress = &progress}}).error().code,
+    EXPECT_EQ(code_of(report_mesh(make_cube(), {.execution = {.progress = &progress}})),
               ErrorCode::cancelled);
     const TriangleMesh cube = make_cube();
     const auto topology = build_topology(cube);
-    EXPECT_EQ(report_mesh(cube, *topology, {.execution = {.progress = &progress}}).error().code,
+    EXPECT_EQ(code_of(report_mesh(cube, *topology, {.execution = {.progress = &progress}})),
               ErrorCode::cancelled);
-    EXPECT_EQ(
-        report_mesh(cube, *topology, {.execution = {.budget = {topology->bytes()}}}).error().code,
-        ErrorCode::budget_exceeded);
-    EXPECT_EQ(report_mesh(cube, {.execution = {.budget = {10}}}).error().code,
+    EXPECT_EQ(code_of(report_mesh(cube, *topology, {.execution = {.budget = {topology->bytes()}}})),
+              ErrorCode::budget_exceeded);
+    EXPECT_EQ(code_of(report_mesh(cube, {.execution = {.budget = {10}}})),
               ErrorCode::budget_exceeded);
 }
 

@@ -1,3 +1,4 @@
+#include "code_of.h"
 #include "mesh/mesh_files.h"
 
 #include <array>
@@ -144,7 +145,7 @@ TEST_F(MeshWriterTest, RefusesWhatBinaryStlCannotHold)
     const TriangleMesh mesh = mesh_of({{0, 0, 0}, {1e39, 0, 0}, {0, 1, 0}}, {{0, 1, 2}});
     const auto status = write_mesh(mesh, path("mesh.stl"));
     ASSERT_FALSE(status);
-    EXPECT_EQ(status.error().code, ErrorCode::limit_exceeded);
+    EXPECT_EQ(code_of(status), ErrorCode::limit_exceeded);
     EXPECT_EQ(entries(), 0);
     EXPECT_TRUE(write_mesh(mesh, path("mesh.stl"), {.stl = StlEncoding::ascii}));
 }
@@ -188,7 +189,7 @@ TEST_F(MeshWriterTest, NamesTheFormatsItWrites)
     for (const char* name : {"mesh.3ds", "mesh.glb", "mesh.txt", "mesh"}) {
         const auto status = write_mesh(mesh, path(name));
         ASSERT_FALSE(status);
-        EXPECT_EQ(status.error().code, ErrorCode::unsupported_format);
+        EXPECT_EQ(code_of(status), ErrorCode::unsupported_format);
         EXPECT_NE(status.error().message.find(".ply"), std::string::npos);
     }
     EXPECT_EQ(entries(), 0);
@@ -198,19 +199,17 @@ TEST_F(MeshWriterTest, LeavesNothingBehindWhenItCannotWrite)
 {
     std::vector<Vec3> positions(100'000, Vec3(0.1, 0.2, 0.3));
     const TriangleMesh mesh = mesh_of(std::move(positions), {{0, 1, 2}});
-    EXPECT_EQ(write_mesh(mesh, path("missing/mesh.ply")).error().code,
-              ErrorCode::file_not_writable);
+    EXPECT_EQ(code_of(write_mesh(mesh, path("missing/mesh.ply"))), ErrorCode::file_not_writable);
 
     Progress progress;
     progress.cancel();
-    EXPECT_EQ(
-        write_mesh(mesh, path("mesh.ply"), {.execution = {.progress = &progress}}).error().code,
-        ErrorCode::cancelled);
+    EXPECT_EQ(code_of(write_mesh(mesh, path("mesh.ply"), {.execution = {.progress = &progress}})),
+              ErrorCode::cancelled);
     EXPECT_EQ(entries(), 0);
 
     // A disk that fills up, and a limit on file sizes in a child of its own.
     fs::create_symlink("/dev/full", path("full.obj"));
-    EXPECT_EQ(write_mesh(mesh, path("full.obj")).error().code, ErrorCode::file_not_writable);
+    EXPECT_EQ(code_of(write_mesh(mesh, path("full.obj"))), ErrorCode::file_not_writable);
     const pid_t child = ::fork();
     ASSERT_GE(child, 0);
     if (child == 0) {

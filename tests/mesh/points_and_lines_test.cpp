@@ -1,4 +1,5 @@
 // What the readers make of points and lines where they are asked for.
+#include "code_of.h"
 #include "mesh/mesh_files.h"
 
 namespace proxima::points_and_lines_test {
@@ -132,7 +133,7 @@ TEST(PointsAndLines, MeshesOfPointsAndSegments)
     const std::array<std::array<std::uint32_t, 2>, 1> outside = {{{0, 3}}};
     const auto refused = mesh_of_segments(positions, outside);
     ASSERT_FALSE(refused);
-    EXPECT_EQ(refused.error().code, ErrorCode::invalid_mesh);
+    EXPECT_EQ(code_of(refused), ErrorCode::invalid_mesh);
     EXPECT_EQ(refused.error().message, "segment 0 uses point 3: there are only 3 points");
     EXPECT_EQ(corners_of(mesh_of_points({})), Corners{});
 }

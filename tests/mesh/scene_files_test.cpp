@@ -1,5 +1,6 @@
 // A glTF of several files: what it may refer to.
 #include "base/text.h"
+#include "code_of.h"
 #include "folder_test.h"
 #include "mesh/mesh_files.h"
 
@@ -44,7 +45,7 @@ protected:
     {
         const auto mesh = read(uri);
         ASSERT_FALSE(mesh) << uri;
-        EXPECT_EQ(mesh.error().code, code) << uri;
+        EXPECT_EQ(code_of(mesh), code) << uri;
         EXPECT_NE(mesh.error().message.find(why), std::string::npos) << describe(mesh.error());
         EXPECT_EQ(mesh.error().where, path("scenes/scene.gltf").string());
     }
@@ -146,7 +147,7 @@ TEST_F(SceneFiles, FitTheBudget)
     fs::resize_file(path("scenes/buffer.bin"), 500'000'000); // a file with a hole
     const auto mesh = read("buffer.bin", {.execution = {.budget = {.bytes = 100'000'000}}});
     ASSERT_FALSE(mesh);
-    EXPECT_EQ(mesh.error().code, ErrorCode::budget_exceeded) << describe(mesh.error());
+    EXPECT_EQ(code_of(mesh), ErrorCode::budget_exceeded) << describe(mesh.error());
 }
 
 TEST_F(SceneFiles, FitTheBudgetTogether)
@@ -165,7 +166,7 @@ TEST_F(SceneFiles, FitTheBudgetTogether)
     EXPECT_TRUE(read_within(100'000'000));
     const auto mesh = read_within(60'000'000);
     ASSERT_FALSE(mesh);
-    EXPECT_EQ(mesh.error().code, ErrorCode::budget_exceeded) << describe(mesh.error());
+    EXPECT_EQ(code_of(mesh), ErrorCode::budget_exceeded) << describe(mesh.error());
 }
 
 TEST_F(SceneFiles, AreNotForScenesInMemory)

@@ -1,5 +1,6 @@
 #include "proxima/topology.h"
 
+#include "code_of.h"
 #include "mesh/edge_numbers.h"
 #include "mesh/random_soups.h"
 #include "proxima/sample_meshes.h"
@@ -183,7 +184,7 @@ TEST(Topology, RefusesMeshesBeyondTheBudget)
     const auto whole = build_topology(mesh);
     const auto refused = build_topology(mesh, {.execution = {.budget = {whole->bytes() - 1}}});
     ASSERT_FALSE(refused);
-    EXPECT_EQ(refused.error().code, ErrorCode::budget_exceeded);
+    EXPECT_EQ(code_of(refused), ErrorCode::budget_exceeded);
     const auto scratch =
         mesh.triangle_count() * (edge_number_bytes - sizeof(std::array<EdgeId, 3>));
     EXPECT_TRUE(build_topology(mesh, {.execution = {.budget = {whole->bytes() + scratch}}}));
@@ -195,7 +196,7 @@ TEST(Topology, StopsOnRequest)
     progress.cancel();
     const auto stopped = build_topology(make_cube(), {.execution = {.progress = &progress}});
     ASSERT_FALSE(stopped);
-    EXPECT_EQ(stopped.error().code, ErrorCode::cancelled);
+    EXPECT_EQ(code_of(stopped), ErrorCode::cancelled);
     EXPECT_STREQ(progress.stage(), "numbering edges");
 }
 

@@ -1,5 +1,6 @@
 #include "proxima/convex_polyhedron.h"
 
+#include "code_of.h"
 #include "polytopes.h"
 
 #include <Eigen/Geometry>
@@ -242,7 +243,7 @@ TEST(HalfSpaceIntersection, AcceptsNormalsOfAnyLength)
     planes.push_back({1e-300 * x, 1e300});
     const auto result = polyhedron_of_half_spaces(planes);
     ASSERT_FALSE(result);
-    EXPECT_EQ(result.error().code, ErrorCode::limit_exceeded);
+    EXPECT_EQ(code_of(result), ErrorCode::limit_exceeded);
     EXPECT_EQ(result.error().where, "half-space 4");
 }
 
@@ -254,7 +255,7 @@ TEST(HalfSpaceIntersection, StopsOnRequest)
     progress.cancel();
     const auto result = polyhedron_of_half_spaces(planes, {.progress = &progress});
     ASSERT_FALSE(result);
-    EXPECT_EQ(result.error().code, ErrorCode::cancelled);
+    EXPECT_EQ(code_of(result), ErrorCode::cancelled);
 }
 
 } // namespace

@@ -1,5 +1,6 @@
 #include "proxima/convex_polyhedron.h"
 
+#include "code_of.h"
 #include "minkowski/drawn_surface.h"
 #include "polytopes.h"
 #include "proxima/minkowski_sum.h"
@@ -300,7 +301,7 @@ TEST(PolyhedronOfMesh, IsCancelledWhileItHoldsTrianglesAgainstTheirHull)
         const auto made = polyhedron_of_mesh(ball, {.execution = {.progress = &progress}});
         is_done = made.has_value();
         if (is_done) continue;
-        EXPECT_EQ(made.error().code, ErrorCode::cancelled);
+        EXPECT_EQ(code_of(made), ErrorCode::cancelled);
         if (progress.stage() == std::string_view("holding triangles against their hull"))
             fractions.insert(progress.fraction());
     }
@@ -326,7 +327,7 @@ TEST(PolyhedronOfMesh, NamesAVertexThatIsTooFarAwayByItsNumberInTheMesh)
                                       {{1, 3, 2}, {1, 2, 4}, {1, 4, 3}, {2, 3, 4}});
     const auto polyhedron = polyhedron_of_mesh(mesh);
     ASSERT_FALSE(polyhedron);
-    EXPECT_EQ(polyhedron.error().code, ErrorCode::limit_exceeded);
+    EXPECT_EQ(code_of(polyhedron), ErrorCode::limit_exceeded);
     EXPECT_NE(message_of(polyhedron).find("vertex 4"), std::string::npos) << message_of(polyhedron);
 }
 
@@ -336,7 +337,7 @@ TEST(PolyhedronOfBox, RefusesEmptyBoxes)
     for (const Vec3& below : {ones, Vec3(1, 0, 0), Vec3(0, 1, 0), Vec3(0, 0, 1)}) {
         const auto box = polyhedron_of_box({below, ones - below});
         ASSERT_FALSE(box) << below.transpose();
-        EXPECT_EQ(box.error().code, ErrorCode::invalid_argument) << below.transpose();
+        EXPECT_EQ(code_of(box), ErrorCode::invalid_argument) << below.transpose();
     }
     EXPECT_EQ(polyhedron_of_box({Vec3::Zero(), ones})->facet_count(), 6U);
 }
@@ -434,7 +435,7 @@ TEST(DrawnSurface, RefusesCornersThatAreNotFinite)
     EXPECT_TRUE(draw(sum.scaled(1e306)));
     const auto surface = draw(sum.scaled(1e308));
     ASSERT_FALSE(surface);
-    EXPECT_EQ(surface.error().code, ErrorCode::limit_exceeded);
+    EXPECT_EQ(code_of(surface), ErrorCode::limit_exceeded);
 }
 
 } // namespace

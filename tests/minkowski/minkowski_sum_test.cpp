@@ -1,4 +1,5 @@
 // Minkowski sums by arcs against a brute force in whole numbers: all candidate normals, all pairs.
+#include "code_of.h"
 #include "minkowski/whole_sum.h"
 #include "polytopes.h"
 #include "proxima/minkowski_sum.h"
@@ -329,7 +330,7 @@ TEST(MinkowskiSum, StopsOnRequest)
     progress.cancel();
     const auto sum = minkowski_sum(a, a, {.execution = {.progress = &progress}});
     ASSERT_FALSE(sum);
-    EXPECT_EQ(sum.error().code, ErrorCode::cancelled);
+    EXPECT_EQ(code_of(sum), ErrorCode::cancelled);
 }
 
 } // namespace

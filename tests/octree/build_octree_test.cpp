@@ -1,6 +1,7 @@
 #include "proxima/octree.h"
 
 #include "base/simd.h"
+#include "code_of.h"
 #include "geometry/triangle_box.h"
 #include "octree/check_octree.h"
 #include "octree/check_structure.h"
@@ -353,7 +354,7 @@ TEST(BuildOctree, IsTheSameWithinAnyBudgetThatIsEnough)
             options.execution.budget = {budget};
             const auto octree = build_octree(*mesh, options);
             if (!octree) {
-                EXPECT_EQ(octree.error().code, ErrorCode::budget_exceeded);
+                EXPECT_EQ(code_of(octree), ErrorCode::budget_exceeded);
                 break;
             }
             EXPECT_TRUE(same_arrays(*octree, whole)) << budget;
@@ -383,7 +384,7 @@ TEST(BuildOctree, StopsWhenCancelled)
     const auto octree =
         build_octree(make_sphere(300, 300), {.max_depth = 9, .execution = {.progress = &progress}});
     ASSERT_FALSE(octree);
-    EXPECT_EQ(octree.error().code, ErrorCode::cancelled);
+    EXPECT_EQ(code_of(octree), ErrorCode::cancelled);
 }
 
 TEST(BuildOctree, IsInvariantToScalingByPowersOfTwoAndToReordering)

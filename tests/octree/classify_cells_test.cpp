@@ -1,5 +1,6 @@
 #include "octree/classify_cells.h"
 
+#include "code_of.h"
 #include "octree/check_structure.h"
 #include "octree/slow_builder.h"
 #include "octree/small_meshes.h"
@@ -359,12 +360,12 @@ TEST(ClassifyCells, RefusesInvalidInputAndStopsOnRequest)
 {
     const TriangleMesh ball = sphere_mesh(Vec3::Zero(), 1.0, 12, 12);
     const Octree octree = slow_octree(ball, {.max_depth = 4});
-    EXPECT_EQ(classify_cells(octree, torus()).error().code, ErrorCode::invalid_argument);
-    EXPECT_EQ(classify_cells(octree, ball, {.execution = {.budget = {1000}}}).error().code,
+    EXPECT_EQ(code_of(classify_cells(octree, torus())), ErrorCode::invalid_argument);
+    EXPECT_EQ(code_of(classify_cells(octree, ball, {.execution = {.budget = {1000}}})),
               ErrorCode::budget_exceeded);
     Progress progress;
     progress.cancel();
-    EXPECT_EQ(classify_cells(octree, ball, {.execution = {.progress = &progress}}).error().code,
+    EXPECT_EQ(code_of(classify_cells(octree, ball, {.execution = {.progress = &progress}})),
               ErrorCode::cancelled);
 }
 

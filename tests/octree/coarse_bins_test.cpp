@@ -1,5 +1,6 @@
 #include "octree/coarse_bins.h"
 
+#include "code_of.h"
 #include "geometry/triangle_box.h"
 #include "octree/small_meshes.h"
 
@@ -104,7 +105,7 @@ TEST(CoarseBins, RefuseMorePairsThanMayBe)
             for (const std::uint64_t fewer : {pairs - 1, pairs / 100}) {
                 const auto refused = bin_triangles(snapped, 5, threads, nullptr, fewer);
                 ASSERT_FALSE(refused);
-                EXPECT_EQ(refused.error().code, ErrorCode::limit_exceeded);
+                EXPECT_EQ(code_of(refused), ErrorCode::limit_exceeded);
             }
         }
     }

@@ -1,6 +1,7 @@
 #include "proxima/octree_io.h"
 
 #include "base/text.h"
+#include "code_of.h"
 #include "octree/classify_cells.h"
 #include "octree/exported_leaves.h"
 #include "octree/slow_builder.h"
@@ -145,19 +146,18 @@ TEST(ExportErrors, AreReported)
 {
     const TriangleMesh mesh = cube_mesh(Vec3::Zero(), 1.0);
     const Octree octree = slow_octree(mesh, {.max_depth = 2});
-    EXPECT_EQ(export_octree(octree, mesh, "octree.obj").error().code,
-              ErrorCode::unsupported_format);
-    EXPECT_EQ(export_octree(octree, mesh, "octree").error().code, ErrorCode::unsupported_format);
+    EXPECT_EQ(code_of(export_octree(octree, mesh, "octree.obj")), ErrorCode::unsupported_format);
+    EXPECT_EQ(code_of(export_octree(octree, mesh, "octree")), ErrorCode::unsupported_format);
     for (const char* format : {"vtu", "htg", "ply", "glb"}) {
         const std::string path = std::string("/nowhere/octree.") + format;
-        EXPECT_EQ(export_octree(octree, mesh, path).error().code, ErrorCode::file_not_writable);
+        EXPECT_EQ(code_of(export_octree(octree, mesh, path)), ErrorCode::file_not_writable);
     }
-    EXPECT_EQ(export_vtu(octree, "/dev/full").error().code, ErrorCode::file_not_writable);
-    EXPECT_EQ(export_htg(octree, "/dev/full").error().code, ErrorCode::file_not_writable);
-    EXPECT_EQ(export_ply(octree, "/dev/full").error().code, ErrorCode::file_not_writable);
-    EXPECT_EQ(export_glb(octree, mesh, "/dev/full").error().code, ErrorCode::file_not_writable);
+    EXPECT_EQ(code_of(export_vtu(octree, "/dev/full")), ErrorCode::file_not_writable);
+    EXPECT_EQ(code_of(export_htg(octree, "/dev/full")), ErrorCode::file_not_writable);
+    EXPECT_EQ(code_of(export_ply(octree, "/dev/full")), ErrorCode::file_not_writable);
+    EXPECT_EQ(code_of(export_glb(octree, mesh, "/dev/full")), ErrorCode::file_not_writable);
     const TriangleMesh huge = moved(mesh, [](const Vec3& p) { return Vec3(p * 1e60); });
-    EXPECT_EQ(export_glb(slow_octree(huge, {.max_depth = 1}), huge, "/dev/full").error().code,
+    EXPECT_EQ(code_of(export_glb(slow_octree(huge, {.max_depth = 1}), huge, "/dev/full")),
               ErrorCode::limit_exceeded);
 }
 

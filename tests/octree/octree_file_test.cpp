@@ -1,5 +1,6 @@
 #include "proxima/octree_io.h"
 
+#include "code_of.h"
 #include "damaged_files.h"
 #include "exact_copy.h"
 
@@ -94,7 +95,7 @@ TEST_F(OctreeFile, IsNotWrittenOfNoMesh)
 {
     const Status status = save_octree(Octree{}, path);
     ASSERT_FALSE(status);
-    EXPECT_EQ(status.error().code, ErrorCode::invalid_argument);
+    EXPECT_EQ(code_of(status), ErrorCode::invalid_argument);
     EXPECT_FALSE(std::filesystem::exists(path));
 }
 
@@ -109,7 +110,7 @@ TEST_F(OctreeFile, RefusesBytesThatAreNotAligned)
         const auto loaded = load_octree(content, nullptr, "memory");
         ASSERT_EQ(loaded.has_value(), offset % 128 == 0) << offset;
         if (loaded) continue;
-        EXPECT_EQ(loaded.error().code, ErrorCode::invalid_argument);
+        EXPECT_EQ(code_of(loaded), ErrorCode::invalid_argument);
         EXPECT_NE(loaded.error().message.find("128"), std::string::npos) << loaded.error().message;
     }
 }
@@ -150,7 +151,7 @@ TEST_F(OctreeFile, ReportsWhyAFileIsRefused)
     const auto expect_refused = [](const std::string& file, ErrorCode code, const char* why) {
         const auto loaded = load_bytes(file);
         ASSERT_FALSE(loaded);
-        EXPECT_EQ(loaded.error().code, code);
+        EXPECT_EQ(code_of(loaded), code);
         EXPECT_NE(loaded.error().message.find(why), std::string::npos) << loaded.error().message;
     };
     expect_refused("ply\nformat ascii 1.0\n", ErrorCode::unsupported_format, "no octree file");
@@ -167,13 +168,12 @@ TEST_F(OctreeFile, ReportsWhyAFileIsRefused)
     other.back() = static_cast<char>(other.back() ^ 1);
     expect_refused(other, ErrorCode::malformed_file, "section 3 is wrong");
 
-    EXPECT_EQ(load_octree(folder / "missing.pxo").error().code, ErrorCode::file_not_found);
-    EXPECT_EQ(load_octree(folder).error().code, ErrorCode::file_not_found);
-    EXPECT_EQ(load_octree(std::filesystem::path("/dev/null")).error().code,
-              ErrorCode::file_not_found);
-    EXPECT_EQ(save_octree(small, folder / "missing" / "x.pxo").error().code,
+    EXPECT_EQ(code_of(load_octree(folder / "missing.pxo")), ErrorCode::file_not_found);
+    EXPECT_EQ(code_of(load_octree(folder)), ErrorCode::file_not_found);
+    EXPECT_EQ(code_of(load_octree(std::filesystem::path("/dev/null"))), ErrorCode::file_not_found);
+    EXPECT_EQ(code_of(save_octree(small, folder / "missing" / "x.pxo")),
               ErrorCode::file_not_writable);
-    EXPECT_EQ(save_octree(small, "/dev/full").error().code, ErrorCode::file_not_writable);
+    EXPECT_EQ(code_of(save_octree(small, "/dev/full")), ErrorCode::file_not_writable);
 }
 
 TEST_F(OctreeFile, HoldsTheGreatestDepth)

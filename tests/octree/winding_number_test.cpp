@@ -1,5 +1,6 @@
 #include "octree/winding_number.h"
 
+#include "code_of.h"
 #include "octree/small_meshes.h"
 
 #include "oracles/exact_winding.h"
@@ -196,17 +197,15 @@ TEST(WindingNumber, HasTheSameBitsForAnyNumberOfThreads)
 
 TEST(WindingNumber, RefusesMeshesWithoutTrianglesAndStopsOnRequest)
 {
-    EXPECT_EQ(build_winding_number(TriangleMesh{}).error().code, ErrorCode::invalid_mesh);
+    EXPECT_EQ(code_of(build_winding_number(TriangleMesh{})), ErrorCode::invalid_mesh);
     const TriangleMesh nan = moved(cube_mesh(Vec3::Zero(), 1.0),
                                    [](const Vec3& p) { return Vec3(p[0], std::nan(""), p[2]); });
-    EXPECT_EQ(build_winding_number(nan).error().code, ErrorCode::invalid_mesh);
+    EXPECT_EQ(code_of(build_winding_number(nan)), ErrorCode::invalid_mesh);
     Progress progress;
     progress.cancel();
-    EXPECT_EQ(
-        build_winding_number(cube_mesh(Vec3::Zero(), 1.0), {.execution = {.progress = &progress}})
-            .error()
-            .code,
-        ErrorCode::cancelled);
+    EXPECT_EQ(code_of(build_winding_number(cube_mesh(Vec3::Zero(), 1.0),
+                                           {.execution = {.progress = &progress}})),
+              ErrorCode::cancelled);
 }
 
 } // namespace

@@ -1,5 +1,6 @@
 #include "viewer/figures/figure_pages.h"
 
+#include "code_of.h"
 #include "folder_test.h"
 #include "proxima/execution.h"
 #include "viewer/scene_shapes.h"
@@ -85,7 +86,7 @@ TEST_F(FigurePages, LeavesNoFileAfterAFailure)
     const auto cancelled =
         write_figure_page({"9.2", "Scenes", two_panels}, folder(), *stopped, {{}, &progress});
     ASSERT_FALSE(cancelled);
-    EXPECT_EQ(cancelled.error().code, ErrorCode::cancelled);
+    EXPECT_EQ(code_of(cancelled), ErrorCode::cancelled);
     EXPECT_EQ(entries(), 0);
 }
 

@@ -1,5 +1,6 @@
 #include "viewer/folder_list.h"
 
+#include "code_of.h"
 #include "folder_test.h"
 
 #include <fstream>
@@ -46,12 +47,12 @@ TEST_F(FolderListTest, ReportsWhichFolderCannotBeRead)
 {
     const auto list = list_folder(path("none"));
     ASSERT_FALSE(list);
-    EXPECT_EQ(list.error().code, ErrorCode::file_not_found);
+    EXPECT_EQ(code_of(list), ErrorCode::file_not_found);
     EXPECT_NE(describe(list.error()).find("none"), std::string::npos);
     Progress progress;
     progress.cancel();
     write("a.ply", "");
-    EXPECT_EQ(list_folder(folder(), &progress).error().code, ErrorCode::cancelled);
+    EXPECT_EQ(code_of(list_folder(folder(), &progress)), ErrorCode::cancelled);
 }
 
 TEST_F(FolderListTest, StopsAfterTheMostEntries)

@@ -1,4 +1,5 @@
 // What panels show without a window, held against slow oracles.
+#include "code_of.h"
 #include "folder_test.h"
 #include "lab/simulated_hand.h"
 #include "proxima/cast_ray.h"
@@ -476,7 +477,8 @@ TEST_F(PanelsOfFiles, MinkowskiPanelSumsWhatTheTrianglesOfAModelBound)
 
 TEST(Panels, MinkowskiPanelStopsWhileItLooksAtTheModel)
 {
-    const auto models = load_view_models(std::vector<std::string>{"torus:48x24"}, Primitives::triangles, {});
+    const auto models =
+        load_view_models(std::vector<std::string>{"torus:48x24"}, Primitives::triangles, {});
     ASSERT_TRUE(models);
     const auto panel = make_minkowski_panel();
     panel->models_changed(*models, Vec3::UnitZ());
@@ -487,7 +489,7 @@ TEST(Panels, MinkowskiPanelStopsWhileItLooksAtTheModel)
     stopped.cancel();
     const auto picture = panel->task(*models)({.progress = &stopped});
     ASSERT_FALSE(picture);
-    EXPECT_EQ(picture.error().code, ErrorCode::cancelled) << describe(picture.error());
+    EXPECT_EQ(code_of(picture), ErrorCode::cancelled) << describe(picture.error());
 }
 
 TEST(Panels, FramesWhatAPanelShows)
@@ -522,7 +524,8 @@ TEST(Panels, TouchPanelFeelsTheSurface)
 
 TEST(Panels, TouchPanelStopsWhereItIsAskedTo)
 {
-    const auto models = load_view_models(std::vector<std::string>{"icosphere:3"}, Primitives::triangles, {});
+    const auto models =
+        load_view_models(std::vector<std::string>{"icosphere:3"}, Primitives::triangles, {});
     ASSERT_TRUE(models);
     const auto panel = make_touch_panel(Pictures::still);
     panel->models_changed(*models, Vec3::UnitZ());
@@ -530,14 +533,15 @@ TEST(Panels, TouchPanelStopsWhereItIsAskedTo)
     stopped.cancel();
     const auto picture = panel->task(*models)({.progress = &stopped});
     ASSERT_FALSE(picture);
-    EXPECT_EQ(picture.error().code, ErrorCode::cancelled);
+    EXPECT_EQ(code_of(picture), ErrorCode::cancelled);
     // Where there is no memory to find its inside, it is touched all the same.
     EXPECT_TRUE(panel->task(*models)({.budget = {1}}));
 }
 
 TEST(Panels, WindowsDoNotWaitForWhatTouchPanelsBuild)
 {
-    const auto models = load_view_models(std::vector<std::string>{"icosphere:6"}, Primitives::triangles, {});
+    const auto models =
+        load_view_models(std::vector<std::string>{"icosphere:6"}, Primitives::triangles, {});
     ASSERT_TRUE(models);
     // A frame that comes back in time can stop the work. It may come late on a busy machine, but not
     // again and again.

@@ -1,4 +1,5 @@
 // Voronoi regions as far as they are true, held against distances to all features of the mesh.
+#include "code_of.h"
 #include "index/listed_index.h"
 #include "proxima/sample_meshes.h"
 #include "query/closest/brute_force.h"
@@ -79,7 +80,7 @@ TEST(RegionShape, IsNotSoughtAnyMoreOnRequest)
     const auto shape =
         region_shape(*cube.model, cube.listed, {FeatureKind::vertex, 0}, 1.0, &stopped);
     ASSERT_FALSE(shape);
-    EXPECT_EQ(shape.error().code, ErrorCode::cancelled);
+    EXPECT_EQ(code_of(shape), ErrorCode::cancelled);
 }
 
 TEST(RegionShape, EndsHalfwayBetweenTwoCubes)

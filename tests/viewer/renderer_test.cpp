@@ -1,6 +1,7 @@
 #include "viewer/renderer.h"
 
 #include "cli/lamps.h"
+#include "code_of.h"
 #include "proxima/sample_meshes.h"
 #include "viewer/egl_context.h"
 #include "viewer/gl_target.h"
@@ -120,7 +121,7 @@ TEST_F(TwoSquares, DrawingStopsOnRequest)
     const auto renderer = make_software_renderer(&progress);
     const auto image = renderer->render(scene, camera, size);
     ASSERT_FALSE(image);
-    EXPECT_EQ(image.error().code, ErrorCode::cancelled);
+    EXPECT_EQ(code_of(image), ErrorCode::cancelled);
 }
 
 /// How many bytes differ by more than a little, as part of all.
@@ -222,7 +223,7 @@ TEST(Renderers, OpenGlRefusesPicturesThatAreTooLarge)
     if (!opengl) GTEST_SKIP() << opengl.error().message;
     const auto image = (*opengl)->render({}, {}, {.width = 1 << 20, .height = 10});
     ASSERT_FALSE(image);
-    EXPECT_EQ(image.error().code, ErrorCode::limit_exceeded);
+    EXPECT_EQ(code_of(image), ErrorCode::limit_exceeded);
 }
 
 TEST(SceneShapes, AreClosedSurfacesTurnedOutward)

@@ -1,4 +1,5 @@
 // The viewer without a window: models, the mouse, work in the background, settings by name.
+#include "code_of.h"
 #include "proxima/sample_meshes.h"
 #include "viewer/background_work.h"
 #include "viewer/shown_viewer.h"
@@ -25,7 +26,7 @@ TEST(Viewer, OpensNothingFromABrokenFile)
     viewer.open({"/no/such/file.ply"});
     const Status status = viewer.finish();
     ASSERT_FALSE(status);
-    EXPECT_EQ(status.error().code, ErrorCode::file_not_found);
+    EXPECT_EQ(code_of(status), ErrorCode::file_not_found);
 }
 
 TEST(Viewer, OpensModelsInPlaceOfOthersOrBesideThem)
@@ -94,7 +95,7 @@ TEST(Viewer, LoadingStopsWhileItShadesTheSurface)
         const auto model = make_view_model("ball", mesh, Vec3::UnitZ(), 0,
                                            {.threads = {1}, .progress = &progress});
         if (model) break;
-        EXPECT_EQ(model.error().code, ErrorCode::cancelled);
+        EXPECT_EQ(code_of(model), ErrorCode::cancelled);
         if (std::string_view(progress.stage()) == "shading the surface") ++stopped;
     }
     EXPECT_EQ(stopped, 3) << "as it begins, flat and smooth";
@@ -109,7 +110,7 @@ TEST(Viewer, RefusesModelsBeyondItsMemory)
     viewer.open({"icosphere:6"}); // 81,920 triangles
     const Status large = viewer.finish();
     ASSERT_FALSE(large);
-    EXPECT_EQ(large.error().code, ErrorCode::budget_exceeded);
+    EXPECT_EQ(code_of(large), ErrorCode::budget_exceeded);
     EXPECT_NE(describe(large.error()).find("icosphere:6"), std::string::npos);
     EXPECT_NE(large.error().message.find("the budget is 20 MB"), std::string::npos);
     EXPECT_EQ(viewer.models()[0]->mesh.triangle_count(), 5120U);
@@ -242,7 +243,7 @@ TEST(BackgroundWork, ReportsThatMemoryRanOut)
     work.start([](Progress& /*progress*/) -> Status { throw std::bad_alloc(); });
     const Status done = work.take();
     ASSERT_FALSE(done);
-    EXPECT_EQ(done.error().code, ErrorCode::budget_exceeded);
+    EXPECT_EQ(code_of(done), ErrorCode::budget_exceeded);
 }
 
 TEST(Viewer, MayBeDestroyedWhileItWorks)

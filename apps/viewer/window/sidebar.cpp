@@ -83,7 +83,7 @@ void draw_work(const Viewer& viewer, SidebarWishes& wishes, std::vector<WidgetBo
     if (ImGui::Button("open...")) wishes.open = true;
     add_widget("open...", {}, widgets);
     ImGui::SameLine();
-    if (const Progress* const progress = viewer.progress(); progress != nullptr) {
+    if (const auto progress = viewer.progress(); progress != nullptr) {
         if (ImGui::Button("cancel")) wishes.cancel = true;
         add_widget("cancel", {}, widgets);
         ImGui::SameLine();

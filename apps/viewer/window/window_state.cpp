@@ -40,7 +40,7 @@ Status write_window_state(const std::string& path, const WindowState& state, con
     }
     Json facts = Json::object();
     for (const PanelFact& fact : viewer.facts()) facts[fact.name] = fact.value;
-    const Progress* const progress = viewer.progress();
+    const auto progress = viewer.progress();
     const OrbitCamera& camera = viewer.camera();
     const Json json = {{"frames", state.frames},
                        {"frame_seconds", state.frame_seconds},

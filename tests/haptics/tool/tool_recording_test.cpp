@@ -2,6 +2,7 @@
 #include "haptics/tool/tool_recording.h"
 
 #include "base/binary_file.h"
+#include "code_of.h"
 #include "exact_copy.h"
 #include "folder_test.h"
 #include "haptics/tool/tool_bench.h"
@@ -174,7 +175,7 @@ TEST_F(ToolRecordings, ForgedNumbersAreNamed)
         for (const double bad : {nan, -1.0, 1e308}) {
             const auto read = forged(file, value, bad);
             ASSERT_FALSE(read.has_value()) << name << " " << bad;
-            EXPECT_EQ(read.error().code, ErrorCode::malformed_file);
+            EXPECT_EQ(code_of(read), ErrorCode::malformed_file);
             EXPECT_NE(read.error().message.find(name), std::string::npos) << read.error().message;
             EXPECT_EQ(read.error().where, "forged.pxt");
         }

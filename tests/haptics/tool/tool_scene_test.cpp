@@ -1,4 +1,5 @@
 // Tools that touch scenes whose objects move.
+#include "code_of.h"
 #include "counted_allocations.h"
 #include "haptics/tool/every_pair.h"
 #include "haptics/tool/rigid_motion.h"
@@ -400,7 +401,7 @@ TEST(ToolInScene, NoObjectIsAddedThatAToolWouldNotFeel)
         ASSERT_TRUE(tool.has_value());
         const auto added = scene.add(body, pose_at({0, 0, 0.4}));
         ASSERT_FALSE(added.has_value());
-        EXPECT_EQ(added.error().code, ErrorCode::invalid_argument);
+        EXPECT_EQ(code_of(added), ErrorCode::invalid_argument);
         EXPECT_NE(added.error().message.find("before a ToolRenderer is made"), std::string::npos);
         EXPECT_EQ(scene.object_count(), 2U);
     }

@@ -5,6 +5,7 @@
 #include "base/simd.h"
 #include "base/text.h"
 #include "cancellation.h"
+#include "code_of.h"
 #include "damaged_files.h"
 #include "exact_copy.h"
 #include "folder_test.h"
@@ -264,7 +265,7 @@ TEST_F(IndexFile, IsNotWrittenOfNoMesh)
 {
     const Status status = save_index(MeshIndex{}, path("index.pxi"));
     ASSERT_FALSE(status);
-    EXPECT_EQ(status.error().code, ErrorCode::invalid_argument);
+    EXPECT_EQ(code_of(status), ErrorCode::invalid_argument);
     EXPECT_EQ(entries(), 0U);
 }
 
@@ -279,7 +280,7 @@ TEST_F(IndexFile, RefusesBytesThatAreNotAligned)
         const auto loaded = load_index(content, nullptr, "memory");
         ASSERT_EQ(loaded.has_value(), offset % section_alignment == 0) << offset;
         if (loaded) continue;
-        EXPECT_EQ(loaded.error().code, ErrorCode::invalid_argument);
+        EXPECT_EQ(code_of(loaded), ErrorCode::invalid_argument);
         EXPECT_NE(loaded.error().message.find("128"), std::string::npos) << loaded.error().message;
     }
 }
@@ -321,11 +322,11 @@ TEST_F(IndexFile, MayChangeOnceItIsRead)
     expect_same_answers(index, *loaded, proximity_points(mesh, 100, 2));
     const auto damaged = load_index(path("index.pxi"));
     ASSERT_FALSE(damaged);
-    EXPECT_EQ(damaged.error().code, ErrorCode::malformed_file);
+    EXPECT_EQ(code_of(damaged), ErrorCode::malformed_file);
     EXPECT_NE(describe(damaged.error()).find("index.pxi"), std::string::npos);
     const auto missing = load_index(path("missing.pxi"));
     ASSERT_FALSE(missing);
-    EXPECT_EQ(missing.error().code, ErrorCode::file_not_found);
+    EXPECT_EQ(code_of(missing), ErrorCode::file_not_found);
 }
 
 TEST_F(IndexFile, IsReadWithinTheBudgetOrMapped)
@@ -335,7 +336,7 @@ TEST_F(IndexFile, IsReadWithinTheBudgetOrMapped)
     const auto bytes = saved(index);
     const auto large = load_index(path("index.pxi"), {.execution = {.budget = {bytes.size() - 1}}});
     ASSERT_FALSE(large);
-    EXPECT_EQ(large.error().code, ErrorCode::budget_exceeded);
+    EXPECT_EQ(code_of(large), ErrorCode::budget_exceeded);
     EXPECT_TRUE(load_index(path("index.pxi"), {.execution = {.budget = {bytes.size()}}}));
     const auto mapped =
         load_index(path("index.pxi"), {.access = FileAccess::map, .execution = {.budget = {1}}});
@@ -396,7 +397,7 @@ TEST_F(IndexFile, ReportsWhyAFileIsRefused)
     const auto expect_refused = [](const std::string& file, ErrorCode code, const char* why) {
         const auto loaded = load_bytes(file);
         ASSERT_FALSE(loaded);
-        EXPECT_EQ(loaded.error().code, code);
+        EXPECT_EQ(code_of(loaded), code);
         EXPECT_NE(loaded.error().message.find(why), std::string::npos) << loaded.error().message;
     };
     expect_refused("ply\nformat ascii 1.0\n", ErrorCode::unsupported_format, "no mesh index file");
@@ -416,11 +417,10 @@ TEST_F(IndexFile, ReportsWhyAFileIsRefused)
     other.back() = static_cast<char>(other.back() ^ 1);
     expect_refused(other, ErrorCode::malformed_file, "section 22 is wrong");
 
-    EXPECT_EQ(load_index(path("missing.pxi")).error().code, ErrorCode::file_not_found);
-    EXPECT_EQ(load_index(folder()).error().code, ErrorCode::file_not_found);
-    EXPECT_EQ(save_index(index, path("missing") / "x.pxi").error().code,
-              ErrorCode::file_not_writable);
-    EXPECT_EQ(save_index(index, "/dev/full").error().code, ErrorCode::file_not_writable);
+    EXPECT_EQ(code_of(load_index(path("missing.pxi"))), ErrorCode::file_not_found);
+    EXPECT_EQ(code_of(load_index(folder())), ErrorCode::file_not_found);
+    EXPECT_EQ(code_of(save_index(index, path("missing") / "x.pxi")), ErrorCode::file_not_writable);
+    EXPECT_EQ(code_of(save_index(index, "/dev/full")), ErrorCode::file_not_writable);
 }
 
 TEST_F(IndexFile, StopsOnRequest)

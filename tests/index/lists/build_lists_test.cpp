@@ -3,6 +3,7 @@
 
 #include "base/simd.h"
 #include "cancellation.h"
+#include "code_of.h"
 #include "counted_allocations.h"
 #include "index/index_parts.h"
 #include "index/lists/proximity_lists.h"
@@ -231,9 +232,8 @@ TEST(Lists, RefuseInvalidBatches)
     const MeshIndex index = build(sample_mesh("cube").value());
     std::vector<Vec3> points(5000, Vec3::Zero());
     std::vector<ClosestFeature> answers(points.size());
-    EXPECT_EQ(
-        closest_features(index, points, {.answers = std::span(answers).first(3)}).error().code,
-        ErrorCode::invalid_argument);
+    EXPECT_EQ(code_of(closest_features(index, points, {.answers = std::span(answers).first(3)})),
+              ErrorCode::invalid_argument);
     points[4321][1] = std::numeric_limits<double>::quiet_NaN();
     points[4999][1] = std::numeric_limits<double>::infinity();
     for (const BatchOrder order : {BatchOrder::automatic, BatchOrder::sorted}) {

@@ -2,6 +2,7 @@
 #include "index/lists/export_proximity.h"
 
 #include "base/text.h"
+#include "code_of.h"
 #include "folder_test.h"
 #include "index/index_parts.h"
 #include "index/listed_index.h"
@@ -154,22 +155,19 @@ TEST_F(ExportProximity, IsReadBackLeafByLeaf)
 TEST_F(ExportProximity, ReportsErrors)
 {
     const MeshIndex octree = testing::listed_index(sample_mesh("cube").value()).value();
-    EXPECT_EQ(export_proximity(*octree.parts().lists(), path("octree.ply")).error().code,
+    EXPECT_EQ(code_of(export_proximity(*octree.parts().lists(), path("octree.ply"))),
               ErrorCode::unsupported_format);
-    EXPECT_EQ(export_proximity(*octree.parts().lists(), path("octree")).error().code,
+    EXPECT_EQ(code_of(export_proximity(*octree.parts().lists(), path("octree"))),
               ErrorCode::unsupported_format);
     for (const char* format : {"vtu", "htg"}) {
-        EXPECT_EQ(export_proximity(*octree.parts().lists(), path("missing") / concat("x.", format))
-                      .error()
-                      .code,
+        EXPECT_EQ(code_of(export_proximity(*octree.parts().lists(),
+                                           path("missing") / concat("x.", format))),
                   ErrorCode::file_not_writable);
     }
     Progress cancelled;
     cancelled.cancel();
-    EXPECT_EQ(export_proximity(*octree.parts().lists(), path("x.vtu"),
-                               {.execution = {.progress = &cancelled}})
-                  .error()
-                  .code,
+    EXPECT_EQ(code_of(export_proximity(*octree.parts().lists(), path("x.vtu"),
+                                       {.execution = {.progress = &cancelled}})),
               ErrorCode::cancelled);
     EXPECT_EQ(entries(), 0);
 }

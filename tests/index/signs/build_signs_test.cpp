@@ -1,5 +1,6 @@
 // Signs as an addition to an index: what they share, keep, hold and refuse.
 #include "cancellation.h"
+#include "code_of.h"
 #include "index/index_parts.h"
 #include "index/listed_index.h"
 #include "index/signs/sign_parts.h"
@@ -142,9 +143,9 @@ TEST(WithSigns, OfOpenMeshesHoldWindingNumbersAlone)
 
 TEST(WithSigns, ReportErrors)
 {
-    EXPECT_EQ(with_signs(MeshIndex()).error().code, ErrorCode::invalid_mesh);
+    EXPECT_EQ(code_of(with_signs(MeshIndex())), ErrorCode::invalid_mesh);
     const MeshIndex index = build_mesh_index(torus_mesh(1.0, 0.3, 12, 8)).value();
-    EXPECT_EQ(with_signs(index, {.execution = {.budget = {1000}}}).error().code,
+    EXPECT_EQ(code_of(with_signs(index, {.execution = {.budget = {1000}}})),
               ErrorCode::budget_exceeded);
     cancel_at_every_stage(
         [&](Progress& progress) {

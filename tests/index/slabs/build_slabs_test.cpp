@@ -2,6 +2,7 @@
 #include "proxima/mesh_index.h"
 
 #include "cancellation.h"
+#include "code_of.h"
 #include "index/index_parts.h"
 #include "index/slabs/block_slab.h"
 #include "index/test_meshes.h"
@@ -111,7 +112,7 @@ TEST(Slabs, AreTheSameForAnyNumberOfThreadsAndStopOnRequest)
     EXPECT_EQ(std::memcmp(other.parts().slabs().data(), truth.parts().slabs().data(),
                           truth.parts().slabs().size_bytes()),
               0);
-    EXPECT_EQ(with_slabs(triangles, {.execution = {.budget = {100}}}).error().code,
+    EXPECT_EQ(code_of(with_slabs(triangles, {.execution = {.budget = {100}}})),
               ErrorCode::budget_exceeded);
     cancel_at_every_stage(
         [&](Progress& progress) {

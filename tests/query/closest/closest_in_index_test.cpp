@@ -1,4 +1,5 @@
 #include "base/simd.h"
+#include "code_of.h"
 #include "counted_allocations.h"
 #include "index/listed_index.h"
 #include "index/test_meshes.h"
@@ -335,7 +336,8 @@ TEST(ClosestInIndex, BatchesAnswerLikeSingleQueries)
             SCOPED_TRACE(target.name);
             force_simd_target(target);
             for (const BatchOrder order : {BatchOrder::as_given, BatchOrder::sorted}) {
-                ASSERT_TRUE(closest_features(index, points, {.answers = answers}, {.order = order}));
+                ASSERT_TRUE(
+                    closest_features(index, points, {.answers = answers}, {.order = order}));
                 ASSERT_TRUE(closest_features(index, points, columns.outputs(), {.order = order}));
                 for (std::size_t i = 0; i < points.size(); ++i) {
                     const ClosestFeature truth = closest_feature(index, points[i]).value();
@@ -382,9 +384,8 @@ TEST(ClosestInIndex, BatchesHaveTheSameAnswersForEveryNumberOfThreads)
         ClosestOutputs outputs = columns.outputs();
         outputs.answers = answers;
         for (const BatchOrder order : {BatchOrder::as_given, BatchOrder::sorted}) {
-            ASSERT_TRUE(
-                closest_features(index, points, outputs,
-                                 {.order = order, .execution = {.threads = {threads}}}));
+            ASSERT_TRUE(closest_features(index, points, outputs,
+                                         {.order = order, .execution = {.threads = {threads}}}));
             for (std::size_t i = 0; i < points.size(); ++i) {
                 expect_same(answers[i], first[i]);
                 columns.expect_same(i, first[i]);
@@ -408,7 +409,7 @@ TEST(ClosestInIndex, BatchesReportErrors)
           ClosestOutputs{.barycentrics = few.barycentrics}}) {
         const Status status = closest_features(index, points, outputs);
         ASSERT_FALSE(status);
-        EXPECT_EQ(status.error().code, ErrorCode::invalid_argument);
+        EXPECT_EQ(code_of(status), ErrorCode::invalid_argument);
     }
     EXPECT_TRUE(closest_features(index, points, {}));
     EXPECT_TRUE(closest_features(index, {}, {}));
@@ -427,10 +428,8 @@ TEST(ClosestInIndex, BatchesReportErrors)
         std::string::npos);
     Progress progress;
     progress.cancel();
-    EXPECT_EQ(closest_features(index, points, {.squared_distances = distances},
-                               {.execution = {.progress = &progress}})
-                  .error()
-                  .code,
+    EXPECT_EQ(code_of(closest_features(index, points, {.squared_distances = distances},
+                                       {.execution = {.progress = &progress}})),
               ErrorCode::cancelled);
 }
 
@@ -467,7 +466,7 @@ TEST(ClosestInIndex, BatchesStopSoonWithinWhatAThreadSorts)
             stopped.cancel_after(10);
             const Status status = ask(stopped);
             ASSERT_FALSE(status);
-            EXPECT_EQ(status.error().code, ErrorCode::cancelled);
+            EXPECT_EQ(code_of(status), ErrorCode::cancelled);
             EXPECT_GT(stopped.fraction(), 0.0);
             EXPECT_GT(std::ranges::count(distances, -1.0), 45'000);
             Progress whole;

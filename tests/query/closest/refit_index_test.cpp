@@ -2,6 +2,7 @@
 #include "proxima/mesh_index.h"
 
 #include "cancellation.h"
+#include "code_of.h"
 #include "index/check_structure.h"
 #include "index/index_parts.h"
 #include "index/listed_index.h"
@@ -244,7 +245,7 @@ TEST(RefitIndex, RefusesAnotherMesh)
                                     const std::string& why) {
         const auto refitted = refit_index(built, other, its);
         ASSERT_FALSE(refitted);
-        EXPECT_EQ(refitted.error().code, ErrorCode::invalid_argument);
+        EXPECT_EQ(code_of(refitted), ErrorCode::invalid_argument);
         EXPECT_NE(describe(refitted.error()).find(why), std::string::npos)
             << describe(refitted.error());
     };

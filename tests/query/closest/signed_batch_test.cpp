@@ -1,3 +1,4 @@
+#include "code_of.h"
 #include "index/test_meshes.h"
 #include "proxima/mesh_index.h"
 #include "proxima/signed_distance.h"
@@ -68,15 +69,15 @@ TEST(SignedDistances, ReportErrors)
     std::vector<double> distances(9);
     const Status without = signed_distances(plain, points, {});
     ASSERT_FALSE(without);
-    EXPECT_EQ(without.error().code, ErrorCode::invalid_argument);
+    EXPECT_EQ(code_of(without), ErrorCode::invalid_argument);
     EXPECT_NE(without.error().message.find("with_signs"), std::string::npos);
-    EXPECT_EQ(signed_distances(index, points, {.distances = distances}).error().code,
+    EXPECT_EQ(code_of(signed_distances(index, points, {.distances = distances})),
               ErrorCode::invalid_argument);
     std::vector<SignMethod> methods(11);
-    EXPECT_EQ(signed_distances(index, points, {.methods = methods}).error().code,
+    EXPECT_EQ(code_of(signed_distances(index, points, {.methods = methods})),
               ErrorCode::invalid_argument);
     std::vector<SignedDistance> answers(9);
-    EXPECT_EQ(signed_distances(index, points, {.answers = answers}).error().code,
+    EXPECT_EQ(code_of(signed_distances(index, points, {.answers = answers})),
               ErrorCode::invalid_argument);
     distances.resize(10);
     EXPECT_TRUE(signed_distances(index, points, {.distances = distances}));
@@ -84,10 +85,8 @@ TEST(SignedDistances, ReportErrors)
     EXPECT_TRUE(signed_distances(index, {}, {}));
     Progress progress;
     progress.cancel();
-    EXPECT_EQ(signed_distances(index, points, {.distances = distances},
-                               {.execution = {.progress = &progress}})
-                  .error()
-                  .code,
+    EXPECT_EQ(code_of(signed_distances(index, points, {.distances = distances},
+                                       {.execution = {.progress = &progress}})),
               ErrorCode::cancelled);
     points[4].y() = std::numeric_limits<double>::infinity();
     const Status refused = signed_distances(index, points, {.distances = distances});
@@ -117,7 +116,7 @@ TEST(SignedDistances, StopSoonWithinWhatAThreadTakes)
         stopped.cancel_after(reports);
         const Status status = ask(stopped);
         ASSERT_FALSE(status);
-        EXPECT_EQ(status.error().code, ErrorCode::cancelled);
+        EXPECT_EQ(code_of(status), ErrorCode::cancelled);
         EXPECT_GT(stopped.fraction(), 0.0);
         const auto left = std::ranges::count(distances, nothing);
         EXPECT_GT(left, 10'000);

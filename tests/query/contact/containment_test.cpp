@@ -1,6 +1,7 @@
 #include "proxima/intersect_meshes.h"
 
 #include "cancellation.h"
+#include "code_of.h"
 #include "counted_allocations.h"
 #include "octree/small_meshes.h"
 #include "octree/winding_number.h"
@@ -243,11 +244,9 @@ TEST(Containment, AllocatesNothingAndCanBeCancelled)
     EXPECT_EQ(allocation_count(), before);
     Progress progress;
     progress.cancel();
-    EXPECT_EQ(
-        build_enclosure(build_mesh_index(open).value(), {.execution = {.progress = &progress}})
-            .error()
-            .code,
-        ErrorCode::cancelled);
+    EXPECT_EQ(code_of(build_enclosure(build_mesh_index(open).value(),
+                                      {.execution = {.progress = &progress}})),
+              ErrorCode::cancelled);
 }
 
 } // namespace

@@ -1,5 +1,6 @@
 #include "query/contact/self_intersection.h"
 
+#include "code_of.h"
 #include "geometry/triangle_intersection.h"
 #include "index/test_meshes.h"
 #include "mesh/random_soups.h"
@@ -192,7 +193,7 @@ TEST(SelfIntersection, StopsAtItsLimitForAnyNumberOfThreads)
     EXPECT_EQ(all->pairs.size(), 1000U * 999 / 2);
     Progress progress;
     progress.cancel();
-    EXPECT_EQ(find_self_intersections(index, {.execution = {.progress = &progress}}).error().code,
+    EXPECT_EQ(code_of(find_self_intersections(index, {.execution = {.progress = &progress}})),
               ErrorCode::cancelled);
 }
 

@@ -1,4 +1,5 @@
 #include "cancellation.h"
+#include "code_of.h"
 #include "proxima/contacts.h"
 #include "proxima/convex_polyhedron.h"
 #include "proxima/minkowski_sum.h"
@@ -314,13 +315,13 @@ TEST(ContactRegions, RefusePosesThatAreNone)
 {
     const Solid cube = solid_of(make_cube());
     for (const double bad : {HUGE_VAL, std::nan("")}) {
-        EXPECT_EQ(contact_regions(cube, cube, placed(Vec3(0, bad, 0))).error().code,
+        EXPECT_EQ(code_of(contact_regions(cube, cube, placed(Vec3(0, bad, 0)))),
                   ErrorCode::invalid_argument);
     }
 
     Progress progress;
     progress.cancel();
-    EXPECT_EQ(contact_regions(cube, cube, {}, {.execution = {.progress = &progress}}).error().code,
+    EXPECT_EQ(code_of(contact_regions(cube, cube, {}, {.execution = {.progress = &progress}})),
               ErrorCode::cancelled);
 }
 

@@ -1,6 +1,7 @@
 #include "proxima/mesh_deviation.h"
 
 #include "cancellation.h"
+#include "code_of.h"
 #include "geometry/closest_point.h"
 #include "index/test_meshes.h"
 #include "proxima/mesh_index.h"
@@ -495,7 +496,7 @@ TEST(MeshDeviation, MeansStayWithinTheirBudget)
     }
     const auto too_small = within(900'000, 1);
     ASSERT_FALSE(too_small);
-    EXPECT_EQ(too_small.error().code, ErrorCode::budget_exceeded);
+    EXPECT_EQ(code_of(too_small), ErrorCode::budget_exceeded);
 }
 
 TEST(MeshDeviation, CanBeCancelledAndRefusesBadArguments)
@@ -513,35 +514,35 @@ TEST(MeshDeviation, CanBeCancelledAndRefusesBadArguments)
             return mean_deviation(a, b, {.tolerance = 1e-3, .execution = {.progress = &progress}});
         },
         [] { return true; });
-    const auto code_of = [](const auto& result) {
+    const auto place_of = [](const auto& result) {
         return result ? std::string("none") : result.error().where;
     };
-    EXPECT_EQ(code_of(greatest_deviation(MeshIndex(), b)), "a");
-    EXPECT_EQ(code_of(greatest_deviation(a, MeshIndex())), "b");
-    EXPECT_EQ(code_of(mean_deviation(MeshIndex(), b)), "a");
-    EXPECT_EQ(code_of(greatest_deviation(a, b, {.tolerance = -1})), "tolerance");
-    EXPECT_EQ(code_of(greatest_deviation(a, b, {.tolerance = NAN})), "tolerance");
-    EXPECT_EQ(code_of(greatest_deviation(a, b, {.max_places = 257})), "max_places");
-    EXPECT_EQ(code_of(greatest_deviation(a, b, {.max_places = 1, .place_spacing = -1})),
+    EXPECT_EQ(place_of(greatest_deviation(MeshIndex(), b)), "a");
+    EXPECT_EQ(place_of(greatest_deviation(a, MeshIndex())), "b");
+    EXPECT_EQ(place_of(mean_deviation(MeshIndex(), b)), "a");
+    EXPECT_EQ(place_of(greatest_deviation(a, b, {.tolerance = -1})), "tolerance");
+    EXPECT_EQ(place_of(greatest_deviation(a, b, {.tolerance = NAN})), "tolerance");
+    EXPECT_EQ(place_of(greatest_deviation(a, b, {.max_places = 257})), "max_places");
+    EXPECT_EQ(place_of(greatest_deviation(a, b, {.max_places = 1, .place_spacing = -1})),
               "place_spacing");
-    EXPECT_EQ(code_of(mean_deviation(a, b, {.tolerance = NAN})), "tolerance");
-    EXPECT_EQ(code_of(mean_deviation(a, b, {.histogram_bins = 3})), "histogram_end");
-    EXPECT_EQ(code_of(mean_deviation(a, b, {.histogram_bins = 5000, .histogram_end = 1})),
+    EXPECT_EQ(place_of(mean_deviation(a, b, {.tolerance = NAN})), "tolerance");
+    EXPECT_EQ(place_of(mean_deviation(a, b, {.histogram_bins = 3})), "histogram_end");
+    EXPECT_EQ(place_of(mean_deviation(a, b, {.histogram_bins = 5000, .histogram_end = 1})),
               "histogram_bins");
     const auto small = greatest_deviation(a, b, {.execution = {.budget = {.bytes = 1000}}});
     ASSERT_FALSE(small);
-    EXPECT_EQ(small.error().code, ErrorCode::budget_exceeded);
+    EXPECT_EQ(code_of(small), ErrorCode::budget_exceeded);
     const auto no_area =
         mean_deviation(index_of(mesh_of({Vec3(0, 0, 0), Vec3(1, 1, 1)}, {{0, 1, 1}})), b);
     ASSERT_FALSE(no_area);
-    EXPECT_EQ(no_area.error().code, ErrorCode::invalid_mesh);
+    EXPECT_EQ(code_of(no_area), ErrorCode::invalid_mesh);
     EXPECT_NE(no_area.error().message.find("has no area"), std::string::npos);
     // An area that is there, but lost beside the other mesh.
     const TriangleMesh cube = cube_mesh(Vec3::Zero(), 1);
     const auto lost = mean_deviation(
         index_of(cube), index_of(moved(cube, [](const Vec3& p) { return Vec3(1e100 * p); })));
     ASSERT_FALSE(lost);
-    EXPECT_EQ(lost.error().code, ErrorCode::invalid_mesh);
+    EXPECT_EQ(code_of(lost), ErrorCode::invalid_mesh);
     EXPECT_NE(lost.error().message.find("too small"), std::string::npos) << lost.error().message;
 }
 

@@ -1,5 +1,6 @@
 #include "proxima/distance_field.h"
 
+#include "code_of.h"
 #include "geometry/exact_predicates.h"
 #include "index/index_parts.h"
 #include "index/test_meshes.h"
@@ -290,7 +291,7 @@ TEST(DistanceField, IsTheSameForAnyNumberOfThreadsAndCanBeCancelled)
     progress.cancel();
     const Status stopped = many.fill(of.index, {.execution = {.progress = &progress}});
     ASSERT_FALSE(stopped);
-    EXPECT_EQ(stopped.error().code, ErrorCode::cancelled);
+    EXPECT_EQ(code_of(stopped), ErrorCode::cancelled);
 }
 
 TEST(DistanceField, StopsWithinABlock)
@@ -335,7 +336,7 @@ TEST(DistanceField, CountsTheMemoryOfTheBorderOfAnOpenMesh)
     EXPECT_TRUE(fill(closed, 16, needed / 2));
     const Status refused = fill(open, 16, needed / 2);
     ASSERT_FALSE(refused);
-    EXPECT_EQ(refused.error().code, ErrorCode::budget_exceeded);
+    EXPECT_EQ(code_of(refused), ErrorCode::budget_exceeded);
 }
 
 TEST(DistanceField, RefusesBadArguments)
@@ -346,7 +347,7 @@ TEST(DistanceField, RefusesBadArguments)
                              const std::string& words) {
         const Status status = distance_field(index, grid, {.distances = eight}, {.band = band});
         ASSERT_FALSE(status) << words;
-        EXPECT_EQ(status.error().code, ErrorCode::invalid_argument);
+        EXPECT_EQ(code_of(status), ErrorCode::invalid_argument);
         EXPECT_NE(status.error().message.find(words), std::string::npos) << status.error().message;
     };
     const PointGrid good{.spacing = 1, .size = {2, 2, 2}};

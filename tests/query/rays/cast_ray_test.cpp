@@ -3,6 +3,7 @@
 #include "base/simd.h"
 #include "base/text.h"
 #include "cancellation.h"
+#include "code_of.h"
 #include "counted_allocations.h"
 #include "index/index_parts.h"
 #include "index/test_meshes.h"
@@ -395,7 +396,7 @@ TEST(CastRay, ReportsWhichRayOfABatchIsInvalid)
                 const Status status =
                     closest_hits(index, rays, hits, {.execution = {.threads = {threads}}});
                 ASSERT_FALSE(status);
-                EXPECT_EQ(status.error().code, ErrorCode::invalid_argument);
+                EXPECT_EQ(code_of(status), ErrorCode::invalid_argument);
                 const std::string says = concat("ray ", number, " is none");
                 EXPECT_NE(status.error().message.find(says), std::string::npos)
                     << status.error().message;
@@ -403,8 +404,7 @@ TEST(CastRay, ReportsWhichRayOfABatchIsInvalid)
                     any_hits(index, rays, any_of_all, {.execution = {.threads = {threads}}});
                 ASSERT_FALSE(any);
                 EXPECT_EQ(any.error().message, status.error().message);
-                const auto lists =
-                    all_hits(index, rays, {.execution = {.threads = {threads}}});
+                const auto lists = all_hits(index, rays, {.execution = {.threads = {threads}}});
                 ASSERT_FALSE(lists);
                 EXPECT_EQ(lists.error().message, status.error().message);
             }
@@ -414,8 +414,8 @@ TEST(CastRay, ReportsWhichRayOfABatchIsInvalid)
     hits.pop_back();
     for (const std::size_t count : {3U, 5000U}) {
         const std::span<const Ray> some = std::span(rays).first(count);
-        EXPECT_EQ(closest_hits(index, some, hits).error().code, ErrorCode::invalid_argument);
-        EXPECT_EQ(any_hits(index, some, any_of_all.first(4999)).error().code,
+        EXPECT_EQ(code_of(closest_hits(index, some, hits)), ErrorCode::invalid_argument);
+        EXPECT_EQ(code_of(any_hits(index, some, any_of_all.first(4999))),
                   ErrorCode::invalid_argument);
     }
     EXPECT_FALSE(closest_hit(MeshIndex(), Ray{}));

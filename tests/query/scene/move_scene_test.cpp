@@ -1,4 +1,5 @@
 // Scenes whose instances cannot be moved: they stay as they were.
+#include "code_of.h"
 #include "counted_allocations.h"
 #include "proxima/scene.h"
 #include "query/scene/scenes_one_by_one.h"
@@ -26,7 +27,7 @@ TEST(Scene, IsAsItWasAfterAMoveThatWasRefused)
                              const std::vector<RigidTransform>& poses, const std::string& words) {
         const Status status = move_in_place(scene, ids, poses);
         ASSERT_FALSE(status) << words;
-        EXPECT_EQ(status.error().code, ErrorCode::invalid_argument);
+        EXPECT_EQ(code_of(status), ErrorCode::invalid_argument);
         EXPECT_NE(describe(status.error()).find(words), std::string::npos)
             << describe(status.error());
     };
@@ -73,7 +74,7 @@ TEST(Scene, IsAsItWasAfterAMoveThatWasStopped)
         const Status status =
             move_in_place(scene, ids, poses, {.execution = {.progress = &progress}});
         ASSERT_FALSE(status) << reports;
-        EXPECT_EQ(status.error().code, ErrorCode::cancelled);
+        EXPECT_EQ(code_of(status), ErrorCode::cancelled);
         for (std::size_t i = 0; i < of.instances.size(); ++i)
             ASSERT_EQ(scene.instance(id_of(i)).pose.translation, of.instances[i].pose.translation);
     }

@@ -1,5 +1,6 @@
 // What scenes refuse, how they stop, and that queries neither allocate nor find what is not there.
 #include "cancellation.h"
+#include "code_of.h"
 #include "counted_allocations.h"
 #include "proxima/scene.h"
 #include "query/scene/scenes_one_by_one.h"
@@ -97,24 +98,24 @@ TEST(Scene, QueriesThatAreNoneFindNothing)
     EXPECT_TRUE(closest_hit(scene, {}));
     EXPECT_TRUE(closest_feature(scene, Vec3(1e300, 0, 0)));
     std::vector<std::optional<SceneHit>> hits(1);
-    EXPECT_EQ(closest_hits(scene, {}, hits).error().code, ErrorCode::invalid_argument);
+    EXPECT_EQ(code_of(closest_hits(scene, {}, hits)), ErrorCode::invalid_argument);
     hits.resize(3);
     const std::vector<Ray> bad = {{}, {.direction = Vec3(nan, 0, 0)}, {}};
     const auto cast = closest_hits(scene, bad, hits);
     ASSERT_FALSE(cast);
-    EXPECT_EQ(cast.error().code, ErrorCode::invalid_argument);
+    EXPECT_EQ(code_of(cast), ErrorCode::invalid_argument);
     EXPECT_NE(cast.error().message.find("ray 1 "), std::string::npos) << cast.error().message;
     std::vector<std::optional<SceneFeature>> near(3);
     const std::vector<Vec3> no_point = {Vec3::Zero(), Vec3::Zero(), Vec3(0, nan, 0)};
     const auto found = closest_features(scene, no_point, near);
     ASSERT_FALSE(found);
-    EXPECT_EQ(found.error().code, ErrorCode::invalid_argument);
+    EXPECT_EQ(code_of(found), ErrorCode::invalid_argument);
     EXPECT_NE(found.error().message.find("point 2 "), std::string::npos) << found.error().message;
     const std::vector<Vec3> four(4, Vec3::Zero());
-    EXPECT_EQ(closest_features(scene, four, near).error().code, ErrorCode::invalid_argument);
+    EXPECT_EQ(code_of(closest_features(scene, four, near)), ErrorCode::invalid_argument);
     for (const double distance : {nan, -1.0, infinity}) {
-        EXPECT_EQ(pairs_within(scene, distance).error().code, ErrorCode::invalid_argument);
-        EXPECT_EQ(overlapping_bounds(scene, distance).error().code, ErrorCode::invalid_argument);
+        EXPECT_EQ(code_of(pairs_within(scene, distance)), ErrorCode::invalid_argument);
+        EXPECT_EQ(code_of(overlapping_bounds(scene, distance)), ErrorCode::invalid_argument);
     }
 }
 
@@ -126,7 +127,7 @@ TEST(Scene, RefusesInstancesThatAreNone)
         instances[3] = instances[4] = wrong;
         const auto scene = build_scene({&cube, 1}, instances);
         ASSERT_FALSE(scene) << says;
-        EXPECT_EQ(scene.error().code, ErrorCode::invalid_argument);
+        EXPECT_EQ(code_of(scene), ErrorCode::invalid_argument);
         EXPECT_EQ(scene.error().where, "instance 3");
         EXPECT_NE(scene.error().message.find(says), std::string::npos) << scene.error().message;
         if (wrong.shape != 0) return;
@@ -143,30 +144,30 @@ TEST(Scene, RefusesInstancesThatAreNone)
     expect_refused({.pose = {Mat3::Constant(std::nan("")), Vec3::Zero()}}, "finite");
     expect_refused({.pose = {Mat3::Identity(), Vec3::Constant(HUGE_VAL)}}, "finite");
     expect_refused({.pose = {Mat3::Identity(), Vec3(0, 1e300, 0)}}, "2^500");
-    EXPECT_EQ(move_instances(Scene(), std::vector<RigidTransform>(1)).error().code,
+    EXPECT_EQ(code_of(move_instances(Scene(), std::vector<RigidTransform>(1))),
               ErrorCode::invalid_argument);
     const std::vector<Instance> instances(1000);
-    EXPECT_EQ(build_scene({&cube, 1}, instances, {{.budget = {1000}}}).error().code,
+    EXPECT_EQ(code_of(build_scene({&cube, 1}, instances, {{.budget = {1000}}})),
               ErrorCode::budget_exceeded);
     Scene scene = build_scene({&cube, 1}, instances).value();
     const std::vector<RigidTransform> poses(1000);
-    EXPECT_EQ(move_instances(scene, poses, {{.budget = {1000}}}).error().code,
+    EXPECT_EQ(code_of(move_instances(scene, poses, {{.budget = {1000}}})),
               ErrorCode::budget_exceeded);
     {
         const Scene copy = scene; // so that a move in place makes one too
         const Status moved = move_in_place(scene, std::vector<InstanceId>{id_of(1)},
                                            std::span(poses).first(1), {{.budget = {1000}}});
         ASSERT_FALSE(moved);
-        EXPECT_EQ(moved.error().code, ErrorCode::budget_exceeded);
+        EXPECT_EQ(code_of(moved), ErrorCode::budget_exceeded);
     }
     const auto pairs = pairs_in_contact(scene, {.execution = {.budget = {100000}}});
     ASSERT_FALSE(pairs);
-    EXPECT_EQ(pairs.error().code, ErrorCode::budget_exceeded);
+    EXPECT_EQ(code_of(pairs), ErrorCode::budget_exceeded);
     const ViewVolume all = make_view_volume(std::vector<ViewPlane>{{}}).value();
-    EXPECT_EQ(visible_ranges(scene, all, {.execution = {.budget = {1000}}}).error().code,
+    EXPECT_EQ(code_of(visible_ranges(scene, all, {.execution = {.budget = {1000}}})),
               ErrorCode::budget_exceeded);
     const std::vector<MeshIndex> shapes(1000, cube);
-    EXPECT_EQ(build_scene(shapes, {}, {{.budget = {100'000}}}).error().code,
+    EXPECT_EQ(code_of(build_scene(shapes, {}, {{.budget = {100'000}}})),
               ErrorCode::budget_exceeded);
 }
 
@@ -183,7 +184,7 @@ TEST(Scene, CullingNamesTheInstanceInWhichAPlaneIsNotFinite)
         make_view_volume(std::vector<ViewPlane>{{Vec3(1e300, -1e300, 0), 0}}).value();
     const auto expect_named = [](const auto& seen) {
         ASSERT_FALSE(seen);
-        EXPECT_EQ(seen.error().code, ErrorCode::invalid_argument);
+        EXPECT_EQ(code_of(seen), ErrorCode::invalid_argument);
         EXPECT_EQ(seen.error().where, "instance 2");
     };
     expect_named(visible_instances(scene, volume));

@@ -1,6 +1,7 @@
 #include "proxima/scene.h"
 
 #include "base/simd.h"
+#include "code_of.h"
 #include "proxima/intersect_meshes.h"
 #include "query/scene/scenes_one_by_one.h"
 
@@ -453,16 +454,16 @@ TEST(Scene, AnswersManyRaysLikeSingleOnes)
         EXPECT_GT(truth.size(), rays.size() / 4);
     }
     EXPECT_EQ(all_hits(scene, std::span<const Ray>()).value().first, std::vector<std::size_t>{0});
-    EXPECT_EQ(all_hits(scene, rays, {.execution = {.budget = {20'000}}}).error().code,
+    EXPECT_EQ(code_of(all_hits(scene, rays, {.execution = {.budget = {20'000}}})),
               ErrorCode::budget_exceeded);
-    EXPECT_EQ(all_hits(scene, rays, {.execution = {.budget = {1000}}}).error().code,
+    EXPECT_EQ(code_of(all_hits(scene, rays, {.execution = {.budget = {1000}}})),
               ErrorCode::budget_exceeded);
     rays[7].direction.setZero();
     const auto wrong = all_hits(scene, rays);
     ASSERT_FALSE(wrong);
     EXPECT_NE(wrong.error().message.find("ray 7"), std::string::npos) << wrong.error().message;
     std::array<bool, 2> too_few{};
-    EXPECT_EQ(any_hits(scene, rays, too_few).error().code, ErrorCode::invalid_argument);
+    EXPECT_EQ(code_of(any_hits(scene, rays, too_few)), ErrorCode::invalid_argument);
 }
 
 } // namespace

@@ -1,6 +1,7 @@
 // The thesis's methods give the sum that the overlay of Gaussian maps gives.
 #include "proxima/thesis.h"
 
+#include "code_of.h"
 #include "minkowski/polytopes.h"
 #include "minkowski/whole_sum.h"
 #include "thesis/minkowski_sums/count_sum_by_method.h"
@@ -89,7 +90,7 @@ TEST(SumByMethod, StopsOnRequest)
         progress.cancel();
         const auto sum = minkowski_sum_by(method, a, a, {.execution = {.progress = &progress}});
         ASSERT_FALSE(sum);
-        EXPECT_EQ(sum.error().code, ErrorCode::cancelled);
+        EXPECT_EQ(code_of(sum), ErrorCode::cancelled);
     }
 }
 

@@ -1,5 +1,6 @@
 #include "proxima/thesis.h"
 
+#include "code_of.h"
 #include "geometry/triangle_box.h"
 #include "octree/check_structure.h"
 #include "octree/nasty_meshes.h"
@@ -111,7 +112,7 @@ TEST(BuildOctreeBy, RefusesMeshesBeyondTheBudget)
         const auto octree = build_octree_by(make_sphere(100, 100), {.method = method},
                                             {.max_depth = 9, .execution = {.budget = {300'000}}});
         ASSERT_FALSE(octree);
-        EXPECT_EQ(octree.error().code, ErrorCode::budget_exceeded) << describe(octree.error());
+        EXPECT_EQ(code_of(octree), ErrorCode::budget_exceeded) << describe(octree.error());
     }
 }
 
@@ -161,7 +162,7 @@ TEST(BuildOctreeBy, StopsWhenCancelled)
         const auto before = build_octree_by(mesh, {.method = method},
                                             {.max_depth = 9, .execution = {.progress = &progress}});
         ASSERT_FALSE(before);
-        EXPECT_EQ(before.error().code, ErrorCode::cancelled);
+        EXPECT_EQ(code_of(before), ErrorCode::cancelled);
     }
     // While it works: the slow method would take minutes.
     Progress progress;
@@ -173,7 +174,7 @@ TEST(BuildOctreeBy, StopsWhenCancelled)
                                         {.max_depth = 12, .execution = {.progress = &progress}});
     canceller.join();
     ASSERT_FALSE(octree);
-    EXPECT_EQ(octree.error().code, ErrorCode::cancelled);
+    EXPECT_EQ(code_of(octree), ErrorCode::cancelled);
 }
 
 } // namespace

@@ -1,6 +1,7 @@
 // What a convex mesh is, and what is refused for not being one.
 #include "thesis/proximity_octree/convex_surface.h"
 
+#include "code_of.h"
 #include "geometry/exact_predicates.h"
 #include "thesis/proximity_octree/convex_meshes.h"
 
@@ -19,7 +20,7 @@ void expect_refused(const TriangleMesh& mesh, const std::string& says)
 {
     const auto surface = checked(mesh);
     ASSERT_FALSE(surface) << says;
-    EXPECT_EQ(surface.error().code, ErrorCode::invalid_mesh);
+    EXPECT_EQ(code_of(surface), ErrorCode::invalid_mesh);
     EXPECT_NE(surface.error().message.find(says), std::string::npos) << surface.error().message;
 }
 

@@ -1,6 +1,7 @@
 // Voronoi regions of features: who is in them, and how they are drawn.
 #include "thesis/proximity_octree/feature_regions.h"
 
+#include "code_of.h"
 #include "index/lists/region_oracle.h"
 #include "proxima/convex_polyhedron.h"
 #include "proxima/mesh_report.h"
@@ -170,7 +171,7 @@ TEST(FeatureRegions, RefuseFeaturesWithoutARegion)
     for (const FeatureKind kind : kinds) {
         const auto none = voronoi_region_of(cube, topology, {kind, count_of(topology, kind)});
         ASSERT_FALSE(none);
-        EXPECT_EQ(none.error().code, ErrorCode::invalid_argument);
+        EXPECT_EQ(code_of(none), ErrorCode::invalid_argument);
     }
     for (const double length : {0.0, -1.0, std::numeric_limits<double>::quiet_NaN()}) {
         for (const RegionEnd end : {RegionEnd::open, RegionEnd::closed})
@@ -184,7 +185,7 @@ TEST(FeatureRegions, RefuseFeaturesWithoutARegion)
         const auto region = voronoi_region_of(torus, around, {FeatureKind::edge, e});
         if (region) continue;
         ++refused;
-        EXPECT_EQ(region.error().code, ErrorCode::invalid_mesh);
+        EXPECT_EQ(code_of(region), ErrorCode::invalid_mesh);
     }
     EXPECT_GT(refused, 30U);
     EXPECT_LT(refused, around.edge_count());

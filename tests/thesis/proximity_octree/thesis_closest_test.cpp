@@ -1,6 +1,7 @@
 // Closest features by the thesis's octree against all features one by one, in 113-bit numbers.
 #include "thesis/proximity_octree/thesis_closest.h"
 
+#include "code_of.h"
 #include "counted_allocations.h"
 #include "geometry/exact_predicates.h"
 #include "index/lists/region_oracle.h"
@@ -211,7 +212,7 @@ TEST(ThesisClosest, IsTheSameWithItsOwnCopyOfTheMesh)
         EXPECT_EQ(found->feature, truth->feature);
         EXPECT_EQ(found->squared_distance, truth->squared_distance);
     }
-    EXPECT_EQ(build_thesis_proximity(TriangleMesh()).error().code, ErrorCode::invalid_mesh);
+    EXPECT_EQ(code_of(build_thesis_proximity(TriangleMesh())), ErrorCode::invalid_mesh);
 }
 
 /// The mesh with a vertex that no triangle uses, which takes that id.

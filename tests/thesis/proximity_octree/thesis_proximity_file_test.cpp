@@ -1,6 +1,7 @@
 #include "thesis/proximity_octree/thesis_proximity_file.h"
 
 #include "base/binary_file.h"
+#include "code_of.h"
 #include "damaged_files.h"
 #include "exact_copy.h"
 #include "proxima/sample_meshes.h"
@@ -118,7 +119,7 @@ TEST_F(ThesisProximityFile, RefusesListsThatOverlap)
     parts.leaves[1].first = parts.leaves[0].first;
     const auto opened = load_bytes(saved(ThesisProximityOctree(parts)));
     ASSERT_FALSE(opened);
-    EXPECT_EQ(opened.error().code, ErrorCode::malformed_file);
+    EXPECT_EQ(code_of(opened), ErrorCode::malformed_file);
 }
 
 } // namespace

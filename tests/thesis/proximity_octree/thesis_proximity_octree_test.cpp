@@ -1,6 +1,7 @@
 // The thesis's proximity octree against brute force, and against its own figures.
 #include "thesis/proximity_octree/thesis_proximity_octree.h"
 
+#include "code_of.h"
 #include "geometry/closest_point.h"
 #include "geometry/exact_predicates.h"
 #include "geometry/triangle_box.h"
@@ -394,13 +395,13 @@ TEST(ThesisLabels, RefuseInvalidOptions)
           ThesisProximityOptions{.flat_sine = -1}}) {
         const auto octree = build_thesis_proximity_octree(mesh, options);
         ASSERT_FALSE(octree);
-        EXPECT_EQ(octree.error().code, ErrorCode::invalid_argument);
+        EXPECT_EQ(code_of(octree), ErrorCode::invalid_argument);
     }
     const auto small = build_thesis_proximity_octree(
         make_sphere(20, 20),
         {.max_depth = 9, .thresholds = {0, 0, 0}, .execution = {.budget = {20'000'000}}});
     ASSERT_FALSE(small);
-    EXPECT_EQ(small.error().code, ErrorCode::budget_exceeded);
+    EXPECT_EQ(code_of(small), ErrorCode::budget_exceeded);
 }
 
 TEST(ThesisLabels, CanBeStoppedAtAnyReport)
@@ -417,7 +418,7 @@ TEST(ThesisLabels, CanBeStoppedAtAnyReport)
             break;
         }
         ASSERT_FALSE(octree) << "not stopped at report " << reports;
-        ASSERT_EQ(octree.error().code, ErrorCode::cancelled);
+        ASSERT_EQ(code_of(octree), ErrorCode::cancelled);
     }
 }
 

@@ -1,5 +1,6 @@
 #include "thesis/proximity_octree/unbounded_sum.h"
 
+#include "code_of.h"
 #include "minkowski/polytopes.h"
 #include "proxima/sample_meshes.h"
 #include "thesis/proximity_octree/voronoi_region.h"
@@ -69,15 +70,15 @@ TEST(CutRays, RefusesBadLengths)
     for (const double length : {0.0, -1.0, infinity, -infinity, nan}) {
         const auto cut = cut_rays(octant, length);
         ASSERT_FALSE(cut) << length;
-        EXPECT_EQ(cut.error().code, ErrorCode::invalid_argument) << length;
+        EXPECT_EQ(code_of(cut), ErrorCode::invalid_argument) << length;
         const auto sum = sum_by_cutting(octant, octant, length);
         ASSERT_FALSE(sum) << length;
-        EXPECT_EQ(sum.error().code, ErrorCode::invalid_argument) << length;
+        EXPECT_EQ(code_of(sum), ErrorCode::invalid_argument) << length;
     }
     for (const double length : {1e100, 1e308}) {
         const auto sum = sum_by_cutting(octant, octant, length);
         ASSERT_FALSE(sum) << length;
-        EXPECT_EQ(sum.error().code, ErrorCode::limit_exceeded) << length;
+        EXPECT_EQ(code_of(sum), ErrorCode::limit_exceeded) << length;
     }
     EXPECT_EQ(cut_rays(octant, 2)->points().size(), 4U);
 }
