@@ -110,7 +110,8 @@ void add_common_options(CLI::App& parser, CommonOptions& options)
         ->type_name("NAME");
     parser.add_flag("--points-and-lines", options.points_and_lines,
                     "Read points and lines of model files, too, as triangles without area");
-    parser.add_flag("--quiet", options.quiet, "Print no report, notes or progress, but for --progress");
+    parser.add_flag("--quiet", options.quiet,
+                    "Print no report, notes or progress, but for --progress");
     parser.add_flag("--progress", options.progress,
                     "Show progress on stderr also in a pipe, a line per stage");
 }

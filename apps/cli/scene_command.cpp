@@ -314,16 +314,14 @@ Status run_scene(const SceneCommandOptions& options, Session& session)
                                                 : find_pairs(options, scene, session);
     if (!answers) return tl::unexpected(answers.error());
     if (Status status = write_answers(*answers, out); !status) return status;
-    const std::string rotated =
-        rotation_text(loaded->rotation_error, out != to_stdout, session);
+    const std::string rotated = rotation_text(loaded->rotation_error, out != to_stdout, session);
     if (out != to_stdout) {
         session.print(fmt::format(
             "{} instances of {} models with {} triangles, scene of {:.2f} MB built in {:.3g} ms\n"
             "{}{}{}",
             scene.instance_count(), scene.shape_count(), loaded->triangles,
-            1e-6 * static_cast<double>(scene.bytes()), 1e3 * loaded->build_seconds,
-            rotated, answers->text,
-            out.empty() ? std::string() : fmt::format("wrote {}\n", out)));
+            1e-6 * static_cast<double>(scene.bytes()), 1e3 * loaded->build_seconds, rotated,
+            answers->text, out.empty() ? std::string() : fmt::format("wrote {}\n", out)));
     }
     return session.write_json({{"models", options.models},
                                {"triangles", loaded->triangles},

@@ -202,7 +202,8 @@ lists were built for: then build anew.)")
         .def_property_readonly("has_signs", &MeshIndex::has_signs)
         .def(
             "mesh", [](const MeshIndex& self) { return value_of(mesh_of(self)); },
-            "The mesh that it was built from. Vertices without a triangle stand at the index's centre: "
+            "The mesh that it was built from. Vertices without a triangle stand at the index's "
+            "centre: "
             "then the fingerprint is another one.")
         .def("__repr__", &represent_index)
         .def("__copy__", [](const py::object& self) { return self; })

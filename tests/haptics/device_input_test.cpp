@@ -57,9 +57,9 @@ TEST(DeviceInput, CommandsAreOfTheMaterialThatIsTouched)
     const RenderOptions options{.force = {.start_seconds = 0}, .guard = Guard::off};
     for (const SurfaceMaterial& material : {ice, steel}) {
         TouchScene scene(testing::wide_room);
-        ASSERT_TRUE(
-            scene.add(testing::body_of(testing::box_mesh(Vec3(0.5, 0.5, 0.1)), {.material = material}),
-                      testing::at_place(Vec3(0, 0, -0.1))));
+        ASSERT_TRUE(scene.add(
+            testing::body_of(testing::box_mesh(Vec3(0.5, 0.5, 0.1)), {.material = material}),
+            testing::at_place(Vec3(0, 0, -0.1))));
         HapticRenderer renderer = make_haptic_renderer(scene, {}, omni, options).value();
         DeviceInput input = make_device_input({}).value();
         DeviceReading reading;

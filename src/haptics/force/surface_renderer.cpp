@@ -238,8 +238,8 @@ void SurfaceRenderer::feel_texture(const ProxyTick& proxy, const Vec3& velocity,
     proxy_.set_grip(textured_.grip);
     tick_.texture = Vec3::Zero();
     if (!textured_.acts) return;
-    tick_.texture =
-        texture_force(proxy, velocity) - mean_force(proxy).stiffness * textured_.groove * proxy.normal;
+    tick_.texture = texture_force(proxy, velocity) -
+                    mean_force(proxy).stiffness * textured_.groove * proxy.normal;
 }
 
 /// What the texture adds along the surface.

@@ -137,8 +137,8 @@ const char* SceneInput::motion_problem(ObjectId id, const ObjectMotion& motion) 
                "spin at most 1e4 radians per second about each axis";
     }
     const SceneShape& shape = objects_[to_index(id)]->shape;
-    const bool changes = shape.change != nullptr && seconds_between(shape.start, clock_.now()) <
-                                                        shape.change->seconds();
+    const bool changes = shape.change != nullptr &&
+                         seconds_between(shape.start, clock_.now()) < shape.change->seconds();
     if (!contains_coast(changes ? shape.change->bounds() : shape.body->bounds(), motion))
         return "the motion would take the object out of the scene's bounds";
     return nullptr;

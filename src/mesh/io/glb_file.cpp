@@ -40,12 +40,11 @@ public:
                           R"(","primitives":[{"attributes":{"POSITION":)", 2 * count_,
                           R"(},"indices":)", 2 * count_ + 1, R"(,"mode":)",
                           static_cast<int>(part.mode), R"(,"material":)", count_, "}]}");
-        materials_ +=
-            concat(comma, R"({"name":")", part.name, R"(","doubleSided":true,)",
-                   part.opacity < 1 ? R"("alphaMode":"BLEND",)" : "",
-                   R"("pbrMetallicRoughness":{"baseColorFactor":[)", part.colour[0], ",",
-                   part.colour[1], ",", part.colour[2], ",", part.opacity,
-                   R"(],"metallicFactor":0,"roughnessFactor":0.8}})");
+        materials_ += concat(comma, R"({"name":")", part.name, R"(","doubleSided":true,)",
+                             part.opacity < 1 ? R"("alphaMode":"BLEND",)" : "",
+                             R"("pbrMetallicRoughness":{"baseColorFactor":[)", part.colour[0], ",",
+                             part.colour[1], ",", part.colour[2], ",", part.opacity,
+                             R"(],"metallicFactor":0,"roughnessFactor":0.8}})");
         accessors_ +=
             concat(comma, R"({"bufferView":)", 2 * count_, R"(,"componentType":)", float_type,
                    R"(,"count":)", part.points.size(), R"(,"type":"VEC3","min":)",

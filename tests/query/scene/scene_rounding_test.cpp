@@ -78,8 +78,8 @@ TEST(Scene, FindsTheNearestOfManyThatDifferInTheLastBits)
 TEST(Scene, RaysFromFarAwayMeetWhatIsTiny)
 {
     const double size = 1e-200;
-    const TriangleMesh mesh =
-        mesh_of({size * Vec3(0, -1, -1), size * Vec3(0, 2, -1), size * Vec3(0, -1, 2)}, {{0, 1, 2}});
+    const TriangleMesh mesh = mesh_of(
+        {size * Vec3(0, -1, -1), size * Vec3(0, 2, -1), size * Vec3(0, -1, 2)}, {{0, 1, 2}});
     const MeshIndex shape = build_mesh_index(mesh).value();
     std::vector<Instance> instances(20);
     for (std::size_t i = 0; i < instances.size(); ++i)
