@@ -351,6 +351,29 @@ def test_objects_move_bend_and_change(wall):
     assert force() == pytest.approx(0.6, rel=1e-3)
 
 
+def test_poses_wait_for_a_tick_and_not_for_a_batch():
+    scene = proxima.TouchScene([[-2, -2, -2], [2, 2, 2]])
+    scene.add(proxima.Mesh.sample("icosphere:3"))
+    away = np.tile([0.0, 0.0, 3.0], (200_000, 1))
+    stopped = threading.Event()
+
+    def touch(renderer):
+        while not stopped.is_set():
+            renderer.step(away)
+
+    threads = [threading.Thread(target=touch, args=(proxima.TouchRenderer(scene),)) for _ in range(4)]
+    for thread in threads:
+        thread.start()
+    begin = time.monotonic()
+    for _ in range(10):
+        assert np.array_equal(scene.pose(0), np.eye(3, 4))
+    waited = time.monotonic() - begin
+    stopped.set()
+    for thread in threads:
+        thread.join()
+    assert waited < 10  # batches of four threads overlap: whoever waited for them waited for long
+
+
 def test_materials_and_shapes_change_evenly(wall):
     scene = proxima.TouchScene([[-1, -1, -1], [1, 1, 1]])
     scene.add(wall, material=proxima.Material(300, 0, 0.4, 0.3))
