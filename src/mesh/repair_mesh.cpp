@@ -338,19 +338,22 @@ private:
             double area = 0;
         };
         std::vector<Size> sizes(surface.triangle_count()); // of each set at its lowest triangle
-        double reach = 0;
-        for (const Vec3& p : surface.positions())
-            if (p.allFinite()) reach = std::max(reach, p.cwiseAbs().maxCoeff());
-        const auto scaled = [scale = detail::unit_scale(reach)](Triangle triangle) {
-            for (Vec3& corner : triangle.vertices) corner *= scale;
-            return triangle;
-        };
+        const auto triangle_at = [&](std::uint32_t i) { return surface.triangle(TriangleId{i}); };
+        double longest =
+            0; // along an axis: squares of larger and smaller meshes may not be doubles
+        for (std::uint32_t i = 0; i < surface.triangle_count(); ++i) {
+            const Triangle one = triangle_at(i);
+            if (is_finite(one)) longest = std::max(longest, bounding_box(one).extent().maxCoeff());
+        }
+        const double scale = detail::unit_scale(longest);
         double largest = 0;
         for (std::uint32_t i = 0; i < surface.triangle_count(); ++i) {
             Size& size = sizes[sets.find(i)];
             ++size.triangles;
-            const Triangle one = surface.triangle(TriangleId{i});
-            if (is_finite(one)) size.area += length_of(scaled_normal(scaled(one)));
+            const Triangle one = triangle_at(i);
+            if (is_finite(one))
+                size.area +=
+                    length_of((scale * (one[1] - one[0])).cross(scale * (one[2] - one[0])));
             largest = std::max(largest, size.area);
         }
         for (std::uint32_t i = 0; i < surface.triangle_count(); ++i) {

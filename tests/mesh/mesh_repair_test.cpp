@@ -344,8 +344,11 @@ TEST(MeshRepair, DropsSmallComponentsOfAnySize)
         Draft draft = cube_draft();
         draft.add(make_cube(), Vec3(5, 0, 0), 0.5); // a quarter of the area
         for (Vec3& p : draft.positions) p *= size;
+        draft.positions.emplace_back(1.7e308, 0, 0); // of no triangle
         const auto left = [&](double area) {
-            return repaired(draft.mesh(), {.min_component_area = area}).mesh;
+            return repaired(draft.mesh(),
+                            {.min_component_area = area, .drop_unused_vertices = false})
+                .mesh;
         };
         EXPECT_EQ(left(0.24).triangle_count(), 24U) << size;
         EXPECT_EQ(left(0.26).triangle_count(), 12U) << size;
