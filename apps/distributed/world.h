@@ -65,7 +65,8 @@ public:
         });
     }
 
-    /// The same for what cannot be taken back, as a file that was replaced.
+    /// As agree_on(), but a request to stop makes no error of it: for steps that cannot be undone, such as
+    /// the replacement of a file.
     template <class Make>
     [[nodiscard]] Status agree_on_done(const Make& make)
     {

@@ -1,5 +1,4 @@
 #include "bindings.h"
-#include "haptics/surface/exits.h"
 #include "index_methods.h"
 #include "proxima/device.h"
 #include "proxima/haptic_renderer.h"
@@ -130,7 +129,9 @@ std::unique_ptr<SharedRenderer> make(const py::object& model, const py::object& 
     return std::make_unique<SharedRenderer>(
         nullptr,
         run(py::none(), Duration::lengthy, [&](Progress* progress) -> Result<HapticRenderer> {
-            const auto with = with_exits(index, {.progress = progress});
+            if (index.has_signs()) return make_haptic_renderer(index, map, limits, options);
+            // Built here, where Ctrl-C stops it.
+            const auto with = with_signs(index, {.execution = {.progress = progress}});
             if (!with) return tl::unexpected(with.error());
             return make_haptic_renderer(*with, map, limits, options);
         }));

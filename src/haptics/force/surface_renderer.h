@@ -72,8 +72,9 @@ public:
 
     [[nodiscard]] const RenderTick& last() const noexcept { return tick_; }
 
-    /// Of the last tick's contacts, means by pressure: materials as far as the device can take them, or
-    /// the options' numbers where a surface has no material and where nothing is touched.
+    /// The material that the last tick touched: the mean of its contacts' materials, weighted by
+    /// pressure, with stiffness and damping limited to what the device can take. The options' numbers
+    /// stand for surfaces without a material, and hold where nothing is touched.
     [[nodiscard]] SurfaceMaterial touched_material() const noexcept;
 
     /// Whether penalty forces pushed against the side of the tick before.
