@@ -109,8 +109,11 @@ class Building(InterruptTest):
     def test_replays(self):
         recording = self.folder / "long.pxt"
         self.succeed("touch", "icosphere:4", "--device", "hand:stroke", "--seconds", 1800, "--free-running", "--record", recording)
-        self.interrupt("touch", "icosphere:4", "--device", f"replay:{recording}", "--json", self.folder / "a.json", when=after(0.7),
-                       keeps=["long.pxt"])
+        # While the file is read, its ticks are checked, and they are replayed.
+        for seconds in (0.2, 0.5, 0.8, 2):
+            with self.subTest(seconds):
+                self.interrupt("touch", "icosphere:4", "--device", f"replay:{recording}", "--json", self.folder / "a.json",
+                               when=after(seconds), keeps=["long.pxt"])
 
     def test_compare(self):
         self.interrupt("compare", "spaceship:300000", "--json", self.folder / "a.json", when=after(1))

@@ -142,21 +142,6 @@ Status check_object(const ScriptedObject& object, std::size_t number)
                   : status;
 }
 
-/// NaN stands for no position: before a device's first good sample there is none.
-Status check_tick(const RecordedTick& tick, std::size_t number)
-{
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-        const double at = tick.position[axis];
-        if (std::isnan(at) || contains(position_range, at)) continue;
-        constexpr std::array names = {"x", "y", "z"};
-        return out_of_range(concat("tick ", number, ": position ", names[axis]), at,
-                            position_range);
-    }
-    if (tick.condition < input_conditions) return {};
-    return out_of_range(concat("tick ", number, ": condition"), tick.condition,
-                        {0, input_conditions - 1});
-}
-
 /// Diagonals of the objects' box: the coordinates of a scene stay finite.
 constexpr Range room_range = {0, 1e6};
 
@@ -217,10 +202,22 @@ Status check_recording(const Recording& recording)
     for (std::size_t i = 0; i < recording.messages.size(); ++i) {
         if (Status status = check_message(recording, i); !status) return status;
     }
-    for (std::size_t i = 0; i < recording.ticks.size(); ++i) {
-        if (Status status = check_tick(recording.ticks[i], i); !status) return status;
-    }
     return {};
+}
+
+Status check_tick(const RecordedTick& tick, std::size_t number)
+{
+    // NaN stands for no position: before a device's first good sample there is none.
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+        const double at = tick.position[axis];
+        if (std::isnan(at) || contains(position_range, at)) continue;
+        constexpr std::array names = {"x", "y", "z"};
+        return out_of_range(concat("tick ", number, ": position ", names[axis]), at,
+                            position_range);
+    }
+    if (tick.condition < input_conditions) return {};
+    return out_of_range(concat("tick ", number, ": condition"), tick.condition,
+                        {0, input_conditions - 1});
 }
 
 } // namespace proxima

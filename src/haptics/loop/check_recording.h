@@ -14,8 +14,11 @@
 
 namespace proxima {
 
-/// Error malformed_file, without a place or advice, naming the first field that is out of range.
-/// O(ticks).
+/// Settings, objects and messages. Error malformed_file, without a place or advice, naming the first
+/// field that is out of range. O(objects + messages).
 [[nodiscard]] Status check_recording(const Recording& recording);
+
+/// One tick. `number` is its place in the recording. Errors like check_recording.
+[[nodiscard]] Status check_tick(const RecordedTick& tick, std::size_t number);
 
 } // namespace proxima

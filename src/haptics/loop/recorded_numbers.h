@@ -3,10 +3,13 @@
 #pragma once
 
 #include "base/binary_file.h"
+#include "base/progress.h"
 #include "proxima/haptic_renderer.h"
 #include "proxima/result.h"
 
+#include <span>
 #include <string>
+#include <vector>
 
 namespace proxima {
 
@@ -33,6 +36,24 @@ template <class Parse>
     if (!recording && recording.error().where.empty())
         return fail(recording.error().code, recording.error().message, name);
     return recording;
+}
+
+/// A copy of a file's ticks. Errors: the first of check(tick, number); cancelled.
+template <class Tick, class Check>
+[[nodiscard]] Result<std::vector<Tick>> checked_ticks(std::span<const Tick> ticks,
+                                                      Progress* progress, Check&& check)
+{
+    std::vector<Tick> copy;
+    copy.reserve(ticks.size());
+    StageSteps steps(progress, "checking the ticks", ticks.size());
+    for (const Tick& tick : ticks) {
+        if (Status status = check(tick, copy.size()); !status)
+            return tl::unexpected(std::move(status).error());
+        copy.push_back(tick);
+        if (!steps.done(1)) return cancelled("checking the ticks");
+    }
+    steps.finish();
+    return copy;
 }
 
 } // namespace proxima

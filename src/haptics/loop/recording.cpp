@@ -141,8 +141,14 @@ Result<ForceLaw> force_law_of(const BinaryFile& file)
     return fail(ErrorCode::malformed_file, "unknown kind of forces: record the session again");
 }
 
-/// What a file holds, checked. Errors malformed_file, some without a place.
-Result<Recording> recording_of(const BinaryFile& file)
+/// The error of a check, with advice.
+tl::unexpected<Error> advised(const Error& error)
+{
+    return fail(error.code, concat(error.message, ": record the session again"));
+}
+
+/// What a file holds, checked. Errors malformed_file and cancelled, some without a place.
+Result<Recording> recording_of(const BinaryFile& file, Progress* progress)
 {
     const auto fingerprint = file.section<std::uint64_t>(fingerprint_section);
     if (!fingerprint) return tl::unexpected(fingerprint.error());
@@ -173,13 +179,15 @@ Result<Recording> recording_of(const BinaryFile& file)
     recording.settings.objects = std::move(*objects);
     if (Status status = read_textures(file, recording.settings); !status)
         return tl::unexpected(status.error());
-    recording.ticks.assign(ticks->begin(), ticks->end());
     if (Status status = read_messages(file, recording); !status)
         return tl::unexpected(status.error());
-    if (const Status status = check_recording(recording); !status) {
-        return fail(status.error().code,
-                    concat(status.error().message, ": record the session again"));
-    }
+    if (const Status status = check_recording(recording); !status) return advised(status.error());
+    auto checked = checked_ticks(*ticks, progress, [](const RecordedTick& tick, std::size_t i) {
+        Status status = check_tick(tick, i);
+        return status ? status : Status(advised(status.error()));
+    });
+    if (!checked) return tl::unexpected(std::move(checked).error());
+    recording.ticks = std::move(*checked);
     return recording;
 }
 
@@ -265,14 +273,14 @@ Status save_recording(const Recording& recording, const std::filesystem::path& p
 Result<Recording> load_recording(const std::filesystem::path& path, Progress* progress)
 {
     return parsed(BinaryFile::open(path, format, {.progress = progress}), path.string(),
-                  recording_of);
+                  [=](const BinaryFile& file) { return recording_of(file, progress); });
 }
 
 Result<Recording> load_recording(std::span<const std::byte> bytes,
                                  std::shared_ptr<const void> storage, const std::string& name)
 {
     return parsed(BinaryFile::read(bytes, std::move(storage), name, format, Verification::full),
-                  name, recording_of);
+                  name, [](const BinaryFile& file) { return recording_of(file, nullptr); });
 }
 
 std::uint64_t count_differences(const Recording& recording, HapticRenderer& renderer) noexcept

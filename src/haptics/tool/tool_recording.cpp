@@ -129,7 +129,7 @@ tl::unexpected<Error> malformed(const std::string& what)
     return fail(ErrorCode::malformed_file, concat(what, ": record the session again"));
 }
 
-Result<ToolRecording> tool_recording_of(const BinaryFile& file)
+Result<ToolRecording> tool_recording_of(const BinaryFile& file, Progress* progress)
 {
     const auto meshes = file.section<std::uint64_t>(meshes_section);
     if (!meshes) return tl::unexpected(meshes.error());
@@ -154,12 +154,13 @@ Result<ToolRecording> tool_recording_of(const BinaryFile& file)
     for (std::size_t i = 0; i < count; ++i) fields[i].value = (*numbers)[i];
     if (const Status status = check_fields(fields); !status)
         return malformed(status.error().message);
-    for (std::size_t i = 0; i < ticks->size(); ++i) {
-        if ((*ticks)[i].condition < input_conditions) continue;
-        return malformed(concat("tick ", i, ": condition is ", (*ticks)[i].condition,
-                                " and must be less than ", input_conditions));
-    }
-    recording.ticks.assign(ticks->begin(), ticks->end());
+    auto checked = checked_ticks(*ticks, progress, [](const RecordedToolTick& tick, std::size_t i) {
+        if (tick.condition < input_conditions) return Status();
+        return Status(malformed(concat("tick ", i, ": condition is ", tick.condition,
+                                       " and must be less than ", input_conditions)));
+    });
+    if (!checked) return tl::unexpected(std::move(checked).error());
+    recording.ticks = std::move(*checked);
     return recording;
 }
 
@@ -235,7 +236,7 @@ Status save_tool_recording(const ToolRecording& recording, const std::filesystem
 Result<ToolRecording> load_tool_recording(const std::filesystem::path& path, Progress* progress)
 {
     return parsed(BinaryFile::open(path, tool_format, {.progress = progress}), path.string(),
-                  tool_recording_of);
+                  [=](const BinaryFile& file) { return tool_recording_of(file, progress); });
 }
 
 Result<ToolRecording> load_tool_recording(std::span<const std::byte> bytes,
@@ -244,7 +245,7 @@ Result<ToolRecording> load_tool_recording(std::span<const std::byte> bytes,
 {
     return parsed(
         BinaryFile::read(bytes, std::move(storage), name, tool_format, Verification::full), name,
-        tool_recording_of);
+        [](const BinaryFile& file) { return tool_recording_of(file, nullptr); });
 }
 
 } // namespace proxima
