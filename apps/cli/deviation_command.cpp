@@ -287,10 +287,10 @@ Command add_deviation_command(CLI::App& app)
     };
     add_tolerance("--tolerance", options->tolerance,
                   "How far the bounds of the greatest distance may be apart, in the meshes' unit "
-                  "(default: 1e-6 of the diagonal of the box about both)");
+                  "(default, and 0: 1e-6 of the diagonal of the box about both)");
     CLI::Option* const mean_tolerance =
         add_tolerance("--mean-tolerance", options->mean_tolerance,
-                      "The same of the mean (default: 1e-5 of the diagonal)");
+                      "The same of the mean (default, and 0: 1e-5 of the diagonal)");
     CLI::Option* const places =
         parser
             ->add_option("--places", options->places,
@@ -316,6 +316,7 @@ Command add_deviation_command(CLI::App& app)
     add_budget_option(*parser, options->budget_mb,
                       "Memory for measuring, in 10^6 bytes (default: 3/4 of the machine's)");
     parser->add_option("--bins", options->bins, "Bins of the histogram")
+        ->excludes(no_mean)
         ->check(CLI::Range(1U, max_histogram_bins))
         ->capture_default_str()
         ->type_name("N");

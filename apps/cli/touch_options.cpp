@@ -31,9 +31,9 @@ constexpr std::array recorded_options = {
     "--pose",          "--motion",         "--material",  "--texture"};
 /// What a tool has no use for yet, and what is for a tool alone.
 constexpr std::array unfit_for_a_tool = {
-    "--radius",  "--shading", "--force",  "--lists",         "--patch",
-    "--picture", "--object",  "--pose",   "--motion",        "--material",
-    "--texture", "--engine",  "--method", "--graphics-rate", "--collision-rate"};
+    "--radius", "--shading",       "--force",          "--lists",    "--patch",   "--picture",
+    "--object", "--pose",          "--motion",         "--material", "--texture", "--engine",
+    "--method", "--graphics-rate", "--collision-rate", "--verbose"};
 constexpr std::array tool_options = {"--tool-scale", "--turn",     "--max-torque",
                                      "--clearance",  "--max-work", "--ticks"};
 constexpr std::array recorded_tool_options = {"--turn", "--max-torque", "--clearance",

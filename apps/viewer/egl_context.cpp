@@ -20,7 +20,8 @@ tl::unexpected<Error> no_opengl(const char* what)
 
 Result<EglContext> EglContext::create()
 {
-    if (!epoxy_has_egl_extension(EGL_NO_DISPLAY, "EGL_EXT_platform_base") ||
+    // Without libEGL the next question would end the process.
+    if (!epoxy_has_egl() || !epoxy_has_egl_extension(EGL_NO_DISPLAY, "EGL_EXT_platform_base") ||
         !epoxy_has_egl_extension(EGL_NO_DISPLAY, "EGL_MESA_platform_surfaceless")) {
         return no_opengl("this machine cannot draw without a display");
     }

@@ -82,7 +82,8 @@ GlScene::Lines GlScene::upload_segments(const std::vector<float>& coordinates)
 GlScene::GlScene(const DrawnScene& scene) : backdrop_{scene.background_top, scene.background_bottom}
 {
     const Box box = bounding_box(scene);
-    if (!box.empty()) {
+    has_points_ = !box.empty();
+    if (has_points_) {
         origin_ = box.center();
         radius_ = std::max(0.5 * box.extent().norm(), 1e-12);
     }
@@ -157,6 +158,7 @@ public:
         far_ = 1e-9;
         near_ = std::numeric_limits<double>::infinity();
         for (const GlLayer& layer : layers) {
+            if (!layer.scene->has_points_) continue;
             const double middle = view.depth(layer.pose(layer.scene->origin_));
             far_ = std::max(far_, middle + 1.01 * layer.scene->radius_);
             near_ = std::min(near_, middle - 1.01 * layer.scene->radius_);
@@ -282,8 +284,13 @@ void GlPainter::draw(std::span<const GlLayer> layers, const Backdrop& backdrop,
             }
         }
     }
-    for (const GlLayer& layer : layers)
-        for (const GlScene::Lines& lines : layer.scene->lines_) frame.draw(layer, lines);
+    for (const GlLayer& layer : layers) {
+        for (const GlScene::Lines& lines : layer.scene->lines_) {
+            // What is behind a line that lets light through is drawn, too.
+            glDepthMask(layer.opacity * lines.opacity < 1.0F ? GL_FALSE : GL_TRUE);
+            frame.draw(layer, lines);
+        }
+    }
 
     std::ranges::stable_sort(glass, std::ranges::greater{}, &Glass::depth);
     glDepthMask(GL_FALSE);

@@ -46,6 +46,7 @@ private:
 
     static Lines upload_segments(const std::vector<float>& coordinates);
 
+    bool has_points_ = false;
     Vec3 origin_ = Vec3::Zero();
     double radius_ = 1.0;
     std::size_t bytes_ = 0;

@@ -9,7 +9,7 @@
 
 namespace proxima {
 
-/// Surfaces and lines of the scene, a node each, by their names; how clear a surface is is left out.
+/// Surfaces and lines of the scene, a node each, by their names, as opaque as they are drawn.
 /// Errors as write_glb: limit_exceeded, file_not_writable, cancelled.
 [[nodiscard]] Status export_scene(const DrawnScene& scene, const std::filesystem::path& path,
                                   Progress* progress = nullptr);

@@ -6,6 +6,7 @@
 #include <charconv>
 #include <cmath>
 #include <optional>
+#include <type_traits>
 
 namespace proxima {
 namespace {
@@ -113,8 +114,10 @@ private:
         const auto text = take(name);
         if (!text) return false;
         const auto number = parse<T>(*text);
-        if (!number || !(*number >= least && *number <= most))
-            return refuse(name, *text, concat("a number from ", least, " to ", most));
+        if (!number || !(*number >= least && *number <= most)) {
+            constexpr const char* kind = std::is_integral_v<T> ? "a whole number" : "a number";
+            return refuse(name, *text, concat(kind, " from ", least, " to ", most));
+        }
         return give(*number, value);
     }
 
@@ -195,7 +198,11 @@ Status use_settings(const std::vector<std::string>& settings,
             return fail(ErrorCode::invalid_argument,
                         concat('"', setting, "\" is no setting: write NAME=VALUE"));
         }
-        left[setting.substr(0, sign)] = setting.substr(sign + 1);
+        const std::string name = setting.substr(0, sign);
+        if (!left.emplace(name, setting.substr(sign + 1)).second) {
+            return fail(ErrorCode::invalid_argument,
+                        concat('"', name, "\" is set twice: leave one out"));
+        }
     }
     while (!left.empty()) {
         SettingControls controls(left, use);

@@ -6,6 +6,7 @@
 #include "cli/model_options.h"
 #include "cli/names.h"
 #include "viewer/commands.h"
+#include "viewer/facts_json.h"
 #include "viewer/layers_glb.h"
 #include "viewer/named_settings.h"
 #include "viewer/renderer.h"
@@ -54,15 +55,20 @@ void check_usage(const ViewOptions& options)
         throw CLI::ValidationError(
             "--controls", "lists settings and draws nothing: leave --picture and --out out");
     }
+    if (options.list_controls && !options.models.empty()) {
+        throw CLI::ValidationError("--controls",
+                                   "lists settings before there are models: leave the model out");
+    }
     if (!options.list_controls && !options.needs_window() && options.models.empty())
         throw CLI::RequiredError("MODEL");
-}
-
-nlohmann::ordered_json facts_of(const Viewer& viewer)
-{
-    nlohmann::ordered_json facts = nlohmann::ordered_json::object();
-    for (const PanelFact& fact : viewer.facts()) facts[fact.name] = fact.value;
-    return facts;
+    if (options.opengl && options.picture.empty()) {
+        throw CLI::ValidationError(
+            "--opengl", "is about --picture: a window is drawn by OpenGL, and .glb not at all");
+    }
+    if (!options.needs_window() && !options.state.empty())
+        throw CLI::ValidationError("--state", "is about the window: leave it or the output out");
+    if (!options.needs_window() && options.debug)
+        throw CLI::ValidationError("--gl-debug", "is about the window: leave it or the output out");
 }
 
 Status write_files(const Viewer& viewer, const ViewOptions& options, Session& session)
@@ -119,7 +125,7 @@ Status run_headless(const ViewOptions& options, Session& session)
     if (Status status = write_files(viewer, options, session); !status) return status;
     return session.write_json({{"models", options.models},
                                {"panel", viewer.panel().name()},
-                               {"facts", facts_of(viewer)}});
+                               {"facts", facts_json(viewer.facts())}});
 }
 
 Status list_controls(const ViewOptions& options, Session& session)
@@ -168,7 +174,7 @@ Status run_view(const ViewOptions& options, Session& session)
     }
     return session.write_json({{"models", options.models},
                                {"panel", viewer.panel().name()},
-                               {"facts", facts_of(viewer)}});
+                               {"facts", facts_json(viewer.facts())}});
 }
 
 } // namespace

@@ -108,14 +108,15 @@ Result<std::shared_ptr<const ViewModel>> make_view_model(std::string name, Trian
 }
 
 Result<ViewModels> load_view_models(std::span<const std::string> names, Primitives primitives,
-                                    const Execution& context, ViewModels before)
+                                    const Execution& context, ViewModels before,
+                                    const std::optional<Vec3>& up)
 {
     ViewModels models = std::move(before);
     for (const std::string& name : names) {
         auto mesh = read_model(name, primitives, context);
         if (!mesh) return tl::unexpected(mesh.error());
-        const Vec3 up = up_axis_of_model(name);
-        auto model = make_view_model(name, std::move(*mesh), up, models.size(), context);
+        auto model = make_view_model(name, std::move(*mesh), up.value_or(up_axis_of_model(name)),
+                                     models.size(), context);
         if (!model) return tl::unexpected(model.error());
         models.push_back(std::move(*model));
     }

@@ -33,12 +33,14 @@ struct ViewModel {
 
 using ViewModels = std::vector<std::shared_ptr<const ViewModel>>;
 
-/// Files or built-ins, each in a colour of its own, after those there are. Errors: those of
+/// Files or built-ins, each in a colour of its own, after those there are. `up` holds for all, where
+/// it is given, and else what is usual for such a model. Errors: those of
 /// reading; budget_exceeded where showing it would take more memory than the budget; invalid_mesh
 /// (empty, NaN); cancelled. Error::where names the model.
 [[nodiscard]] Result<ViewModels> load_view_models(std::span<const std::string> names,
                                                   Primitives primitives, const Execution& context,
-                                                  ViewModels before = {});
+                                                  ViewModels before = {},
+                                                  const std::optional<Vec3>& up = {});
 
 /// A mesh that is there already, as model number `number`. Errors as above.
 [[nodiscard]] Result<std::shared_ptr<const ViewModel>>
@@ -53,7 +55,8 @@ struct PickedPoint {
     std::size_t model = 0;
     TriangleId triangle{};
     Vec3 point = Vec3::Zero();
-    Feature nearest; ///< of the triangle, to the point: a vertex or an edge within a tenth of it
+    Feature
+        nearest; ///< of the triangle, to the point: a vertex within a fifth of it, an edge within a tenth
 };
 [[nodiscard]] std::optional<PickedPoint> pick(const ViewModels& models, const Ray& ray);
 

@@ -89,9 +89,9 @@ void Viewer::open(std::vector<std::string> names, Placing placing)
     ViewModels kept = placing == Placing::beside ? models_ : ViewModels{};
     loading_.start(
         [names = std::move(names), kept = std::move(kept), primitives = options_.primitives,
-         threads = options_.execution.threads,
+         up = options_.camera.up, threads = options_.execution.threads,
          budget = options_.execution.budget](Progress& progress) {
-            return load_view_models(names, primitives, {threads, &progress, budget}, kept);
+            return load_view_models(names, primitives, {threads, &progress, budget}, kept, up);
         },
         options_.wake);
 }
@@ -112,7 +112,7 @@ void Viewer::take_models()
     }
     models_ = std::move(*models);
     picked_.reset();
-    camera_.up = options_.camera.up.value_or(models_.front()->up);
+    camera_.up = models_.front()->up;
     place_camera();
     const View view(camera_, size_);
     for (const auto& panel : panels_) panel->models_changed(models_, view.back());
@@ -327,7 +327,14 @@ void Viewer::resize(ViewSize size)
 
 void Viewer::frame_all()
 {
-    if (!models_.empty()) frame(panels_[panel_]->extent(models_));
+    if (models_.empty()) return;
+    Box box = panels_[panel_]->extent(models_);
+    const Box drawn = bounding_box(picture_.layers);
+    if (!drawn.empty()) {
+        box.extend(drawn.lower);
+        box.extend(drawn.upper);
+    }
+    frame(box);
 }
 
 Box Viewer::focus() const
@@ -350,7 +357,7 @@ void Viewer::keep_camera()
 
 void Viewer::frame(const Box& box)
 {
-    camera_.up = options_.camera.up.value_or(models_.front()->up);
+    camera_.up = models_.front()->up;
     // Around a box models are smaller than the picture: they are shown as large as they are.
     camera_ = same(box, bounding_box(models_))
                   ? framed(camera_, points_to_frame(models_), size_)

@@ -185,6 +185,13 @@ class Options(ProgramTest):
         self.refuse("view", "cube", *shown, "--set", "model=1", says=("model", "several models"))
         self.succeed("view", "cube", "octahedron", *shown, "--set", "model=2")
 
+    def test_a_setting_that_is_set_twice(self):
+        self.refuse("view", "cube", "--panel", "octree", "--set", "depth=3", "--set", "depth=4", "--picture", self.folder / "a.png",
+                    status=2, says=("depth", "twice"))
+
+    def test_counters_of_a_tool(self):
+        self.refuse("touch", "cube", "--device", "hand:press", "--tool", "cube", "--verbose", status=2, says=("--verbose", "not for a tool"))
+
     def test_depth_over_the_limit(self):
         self.refuse("octree", "cube", "--depth", 20, status=2, says=("--depth", "19"))
         self.refuse("octree", "cube", "--depth", -1, status=2, says="--depth")
@@ -290,6 +297,11 @@ class Outputs(ProgramTest):
                         ("cull", "cube", "--plane", "1,0,0,0", "--size", "30x30"),
                         ("repair", "cube", "--no-outward", "--no-cavities"),
                         ("view", "cube", "--controls", "--picture", self.folder / "a.png"),
+                        ("view", "cube", "--controls"),
+                        ("view", "cube", "--picture", self.folder / "a.png", "--state", self.folder / "lost.json"),
+                        ("view", "cube", "--picture", self.folder / "a.png", "--gl-debug"),
+                        ("view", "cube", "--out", self.folder / "a.glb", "--opengl"),
+                        ("deviation", "cube", "icosphere:1", "--no-mean", "--bins", 4),
                         ("touch", "cube", "--device", "hand:press", "--list-devices"),
                         ("touch", "--list-devices", "--record", self.folder / "lost.pxt"),
                         ("touch", "--list-devices", "--self-test")):

@@ -471,6 +471,8 @@ class Views(ProgramTest):
     def test_points_and_lines_are_shown_where_asked_for(self):
         model = self.file("lines.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 2 3\nl 1 4\np 2\n")
         self.assertEqual(self.json_of("view", model, "--out", self.folder / "a.glb")["facts"]["triangles"], "1")
+        two = self.json_of("view", model, "cube", "--out", self.folder / "b.glb")
+        self.assertEqual(two["facts"]["triangles"], ["1", "12"], "of each model")
         with_lines = self.json_of("view", model, "--points-and-lines", "--out", self.folder / "a.glb")
         self.assertEqual(with_lines["facts"]["triangles"], "3")
 

@@ -47,6 +47,24 @@ Result<FigureContent> failing(const Execution& /*context*/)
     return fail(ErrorCode::broken_invariant, "no figure");
 }
 
+TEST_F(FigurePages, LongTitlesStayAboveTheirPanels)
+{
+    auto content = two_panels({});
+    content->columns = 2;
+    const auto ink_in_gap = [&](const std::string& title) {
+        for (auto& panel : content->panels) std::get<ScenePanel>(panel).title = title;
+        const auto picture = figure_picture(*content, *renderer);
+        EXPECT_TRUE(picture);
+        // Panels are at 12 to 72 and at 84 to 144, from 46 downward.
+        int inked = 0;
+        for (int y = 0; y < 46; ++y)
+            for (int x = 73; x < 84; ++x)
+                if (picture->pixel(x, y) != picture->pixel(0, 0)) ++inked;
+        return inked;
+    };
+    EXPECT_EQ(ink_in_gap("a title of some forty letters, or of more"), 0);
+}
+
 TEST_F(FigurePages, PlacesPanelsBesideAndBelowEachOther)
 {
     auto content = two_panels({});

@@ -124,6 +124,33 @@ TEST(IntersectionPanel, BeginsAtTheContact)
     EXPECT_LT(span_of_contour(shown, tall), 1.0);
 }
 
+TEST(IntersectionPanel, TurnsAboutTheAxisUpAfterItTiltsAcross)
+{
+    const std::string path = "turned_bar_test.obj";
+    std::vector<Vec3> bar;
+    const TriangleMesh cube = make_cube();
+    for (const Vec3& p : cube.positions()) bar.emplace_back(4 * p.x(), 2 * p.y(), p.z());
+    const auto triangles = cube.triangles();
+    const auto mesh = make_triangle_mesh(std::move(bar), {triangles.begin(), triangles.end()});
+    ASSERT_TRUE(mesh && write_mesh(*mesh, path));
+    const auto extent = [&](const char* turn, const char* tilt) -> Vec3 {
+        const Shown shown({"cube", path}, "intersection",
+                          {std::string("turn=") + turn, std::string("tilt=") + tilt});
+        const SceneLayer& moved =
+            *std::ranges::find_if(shown.viewer.layers(), [](const SceneLayer& layer) {
+                return !layer.pose.rotation.isIdentity() || layer.pose.translation.norm() > 0;
+            });
+        return bounding_box(std::span(&moved, 1)).extent();
+    };
+    // y is up in .obj files. Tilting is about an axis across it, which swaps it with x or with z.
+    EXPECT_TRUE(extent("0", "0").isApprox(Vec3(8, 4, 2)));
+    EXPECT_TRUE(extent("90", "0").isApprox(Vec3(2, 4, 8)));
+    const Vec3 tilted = extent("0", "90");
+    EXPECT_TRUE(tilted.isApprox(Vec3(8, 2, 4)) || tilted.isApprox(Vec3(4, 8, 2))) << tilted;
+    EXPECT_TRUE(extent("90", "90").isApprox(Vec3(tilted.z(), tilted.y(), tilted.x())));
+    std::filesystem::remove(path);
+}
+
 TEST(IntersectionPanel, LeavesACameraThatAPersonMovedMeanwhile)
 {
     const SmallSphere small("moved_camera_test.obj");

@@ -197,6 +197,30 @@ TEST_F(GlLayersTest, DrawsLikeTheSoftwareRenderer)
     EXPECT_GT(difference(image, *whole), 4.0 * difference(image, *expected)) << "the cut is seen";
 }
 
+TEST_F(GlLayersTest, ShowsSmallAndFarLayersBesideOnesWithoutPoints)
+{
+    for (const auto& [middle, size] : std::array<std::pair<Vec3, double>, 2>{
+             {{Vec3(5e5, 5e6, -300), 10}, {Vec3(0, 0, 0), 1e-5}}}) {
+        auto ball = std::make_shared<DrawnScene>();
+        add_ball(*ball, middle, size, {.color = srgb(0xFF0000)});
+        const std::vector<SceneLayer> layers = {{.scene = ball},
+                                                {.scene = std::make_shared<DrawnScene>()}};
+        GlLayers uploaded;
+        ASSERT_TRUE(uploaded.show(layers));
+        const auto painter = GlPainter::create();
+        auto target = GlTarget::create();
+        ASSERT_TRUE(painter && target);
+        constexpr ViewSize picture = {.width = 32, .height = 32};
+        ASSERT_TRUE(target->bind(picture, 1));
+        const Backdrop black = {srgb(0x000000), srgb(0x000000)};
+        painter->draw(uploaded.layers(), black, framed({}, corners(bounding_box(layers)), picture),
+                      picture);
+        std::array<std::uint8_t, 3> pixel{};
+        glReadPixels(16, 16, 1, 1, GL_RGB, GL_UNSIGNED_BYTE, pixel.data());
+        EXPECT_GT(int{pixel[0]}, 60) << size;
+    }
+}
+
 #endif
 
 } // namespace

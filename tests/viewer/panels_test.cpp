@@ -233,6 +233,124 @@ TEST(Panels, CullingPanelHasItsVolumeInThePicture)
     }
 }
 
+/// As the command line shows it: settings come before models.
+void open(Viewer& viewer, std::string_view panel, const std::vector<std::string>& settings,
+          std::vector<std::string> models)
+{
+    viewer.resize(shown_size);
+    ASSERT_TRUE(viewer.choose_panel(panel));
+    ASSERT_TRUE(apply_settings(settings, [&](Controls& controls) { viewer.offer(controls); }));
+    viewer.open(std::move(models));
+    ASSERT_TRUE(viewer.finish());
+}
+
+TEST(Panels, CellsAndRaysThatStandOutAreInThePicture)
+{
+    const Shown rays({"spaceship:3000"}, "rays");
+    EXPECT_TRUE(rays.is_all_in_view());
+    Shown shown({"spaceship:3000"}, "octree");
+    shown.set({"depth=3", "outer=on"});
+    EXPECT_FALSE(shown.is_all_in_view()) << "the camera stays where it is";
+    shown.viewer.frame_all();
+    EXPECT_TRUE(shown.is_all_in_view());
+    Viewer at_first;
+    open(at_first, "octree", {"depth=3", "outer=on"}, {"spaceship:3000"});
+    EXPECT_EQ(at_first.camera().distance, shown.viewer.camera().distance);
+}
+
+TEST(Panels, OneCoordinateOfAPointCanBeSet)
+{
+    const Shown usual({"icosphere:3"}, "closest");
+    const Vec3 placed = usual.viewer.handles().front();
+    Viewer viewer;
+    open(viewer, "closest", {"cursor x=0.3"}, {"icosphere:3"});
+    EXPECT_EQ(viewer.handles().front(), Vec3(0.3, placed.y(), placed.z()));
+    // Once it is seen, a person who moves it along one axis leaves it on the others.
+    Shown shown({"icosphere:3"}, "closest", {"cursor x=0.3"});
+    shown.viewer.open({"torus:24x12"});
+    ASSERT_TRUE(shown.viewer.finish());
+    EXPECT_EQ(shown.viewer.handles().front(), Vec3(0.3, placed.y(), placed.z()));
+}
+
+TEST(Panels, GoByTheDirectionUpThatIsAskedFor)
+{
+    for (const Vec3& up : {Vec3(Vec3::UnitX()), Vec3(Vec3::UnitY())}) {
+        Viewer viewer({.camera = {.up = up}});
+        open(viewer, "rays", {}, {"cube"});
+        EXPECT_EQ(viewer.models().front()->up, up);
+        EXPECT_EQ(viewer.camera().up, up);
+        const Vec3 before = viewer.models().front()->box.center();
+        EXPECT_NEAR((viewer.handles()[0] - before).dot(up), 0.14 * 2 * std::sqrt(3), 1e-9);
+    }
+}
+
+TEST(Panels, VoronoiPanelBeginsAtTheFeatureThatIsAskedFor)
+{
+    Viewer viewer;
+    open(viewer, "voronoi", {"number=5"}, {"icosphere:5"});
+    const ViewModel& model = *viewer.models().front();
+    EXPECT_LT((viewer.camera().target - model.mesh.positions()[5]).norm(), 1e-9);
+    Viewer of_edge;
+    open(of_edge, "voronoi", {"feature=edge", "number=20"}, {"icosphere:5"});
+    const EdgeVertices& ends = model.topology.vertices(EdgeId{20});
+    const Vec3 middle = 0.5 * (model.mesh.positions()[to_index(ends[0])] +
+                               model.mesh.positions()[to_index(ends[1])]);
+    EXPECT_LT((of_edge.camera().target - middle).norm(), 1e-9);
+    Viewer of_face;
+    open(of_face, "voronoi", {"feature=face", "number=7"}, {"icosphere:5"});
+    const Triangle face = model.mesh.triangle(TriangleId{7});
+    EXPECT_LT((of_face.camera().target - (face[0] + face[1] + face[2]) / 3.0).norm(), 1e-9);
+}
+
+TEST(Panels, LegendsNameOnlyWhatIsDrawn)
+{
+    const Shown missed({"cube"}, "rays", {"from x=5", "towards x=5", "towards y=3"});
+    EXPECT_TRUE(missed.viewer.legend().entries.empty());
+    EXPECT_TRUE(missed.viewer.legend().title.empty());
+    const Shown nothing(
+        {"cube"}, "culling",
+        {"eye x=0", "eye y=4", "eye z=0", "target x=0", "target y=5", "target z=0"});
+    EXPECT_FALSE(color_in_legend(nothing, "triangles in it"));
+    EXPECT_FALSE(color_in_legend(nothing, "leaves in it"));
+    EXPECT_TRUE(color_in_legend(nothing, "other triangles"));
+    Shown all({"cube"}, "culling", {"field of view=150", "near=0.001", "far=5"});
+    EXPECT_FALSE(color_in_legend(all, "other triangles"));
+    EXPECT_TRUE(color_in_legend(all, "triangles in it"));
+    const Shown alone({"cube"}, "closest", {"rings=0", "cursor x=0", "cursor y=0.5", "cursor z=5"});
+    ASSERT_EQ(alone.triangles("patch"), 0U);
+    EXPECT_FALSE(color_in_legend(alone, "triangles round it"));
+}
+
+TEST(Panels, CutPlaneTakesAwayTheSideOfTheEye)
+{
+    Shown shown({"icosphere:3"}, "octree", {"cut plane=on"});
+    // z is up, and the eye stands at negative y.
+    const std::array<std::tuple<std::string, Vec3>, 3> kept = {
+        {{"x", -Vec3::UnitX()}, {"y", Vec3::UnitY()}, {"z", -Vec3::UnitZ()}}};
+    for (const auto& [axis, normal] : kept) {
+        for (const double side : {1.0, -1.0}) {
+            shown.set({"cut axis=" + axis, side > 0 ? "other side=off" : "other side=on"});
+            for (const SceneSurface& surface : shown.scene().surfaces) {
+                if (surface.name != "mesh") continue;
+                ASSERT_FALSE(surface.triangles.empty());
+                for (const TriangleCorners& corners : surface.triangles)
+                    for (const std::uint32_t corner : corners)
+                        EXPECT_GE(side * normal.dot(surface.positions[corner]), -1e-12) << axis;
+            }
+        }
+    }
+}
+
+TEST(Panels, RaysAreMeasuredInLengths)
+{
+    const Shown shown(
+        {"cube"}, "rays",
+        {"from x=0.1", "from y=0.2", "from z=3", "towards x=0.1", "towards y=0.2", "towards z=-2"});
+    const std::string hit = shown.fact("first hit");
+    EXPECT_TRUE(hit.ends_with(" at 2")) << hit;
+    EXPECT_NEAR(shown.number("length in the root"), 2.0, 1e-3);
+}
+
 TEST(Panels, OctreePanelShowsTheCellsOfTheOctree)
 {
     Shown shown({"icosphere:3"}, "octree", {"depth=4", "threshold=2"});

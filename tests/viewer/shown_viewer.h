@@ -39,6 +39,17 @@ public:
         EXPECT_TRUE(done) << describe(done.error());
     }
 
+    /// Whether all that is drawn is inside of the picture.
+    [[nodiscard]] bool is_all_in_view() const
+    {
+        const View view(viewer.camera(), shown_size);
+        return std::ranges::all_of(positions_of(scene()), [&](const Vec3& position) {
+            const ScreenPoint at = view.project(position);
+            return view.depth(position) > 0 && at.x > 0 && at.x < shown_size.width && at.y > 0 &&
+                   at.y < shown_size.height;
+        });
+    }
+
     [[nodiscard]] std::string fact(std::string_view name) const
     {
         const auto found = std::ranges::find(viewer.facts(), name, &PanelFact::name);

@@ -150,6 +150,47 @@ TEST(Viewer, MouseOrbitsPansAndZooms)
     EXPECT_LT((viewer.camera().target - before.target).norm(), 0.05);
 }
 
+TEST(Viewer, ShiftPansAndADoubleClickCentres)
+{
+    Shown shown({"icosphere:3"}, "model");
+    Viewer& viewer = shown.viewer;
+    const OrbitCamera before = viewer.camera();
+    viewer.press(MouseButton::left, {200, 150}, true);
+    viewer.move({230, 160});
+    viewer.release({230, 160});
+    EXPECT_EQ(viewer.camera().azimuth, before.azimuth);
+    EXPECT_GT((viewer.camera().target - before.target).norm(), 0.05);
+
+    viewer.frame_all();
+    const View view(viewer.camera(), shown_size);
+    const Vec2 at(230, 120);
+    const auto hit = pick(viewer.models(),
+                          {.origin = view.eye(), .direction = view.direction({at.x(), at.y()})});
+    ASSERT_TRUE(hit);
+    viewer.double_click(at);
+    const View after(viewer.camera(), shown_size);
+    const ScreenPoint seen = after.project(hit->point);
+    EXPECT_NEAR(seen.x, 0.5 * shown_size.width, 1e-6);
+    EXPECT_NEAR(seen.y, 0.5 * shown_size.height, 1e-6);
+    EXPECT_NEAR(after.depth(hit->point), view.depth(hit->point), 1e-9);
+}
+
+TEST(Viewer, TheWheelMovesAHandleThatIsHeldAway)
+{
+    Shown shown({"icosphere:3"}, "closest");
+    Viewer& viewer = shown.viewer;
+    const View view(viewer.camera(), shown_size);
+    const Vec3 before = viewer.handles()[0];
+    const ScreenPoint from = view.project(before);
+    viewer.press(MouseButton::left, {from.x, from.y});
+    viewer.wheel(3.0);
+    viewer.release({from.x, from.y});
+    const Vec3 after = viewer.handles()[0];
+    EXPECT_NEAR(view.depth(after), 1.06 * view.depth(before), 1e-9);
+    EXPECT_NEAR(view.project(after).x, from.x, 1e-6);
+    EXPECT_FALSE(viewer.picked()) << "it was no click";
+}
+
 TEST(Viewer, ClickPicksWhatIsUnderIt)
 {
     Shown shown({"icosphere:3"}, "closest");
@@ -265,7 +306,9 @@ TEST(NamedSettings, ReportUnknownNamesAndBadValues)
     };
     EXPECT_EQ(message("depth=3"), "fine");
     EXPECT_NE(message("depth=99").find("0 to 12"), std::string::npos);
-    EXPECT_NE(message("depth=three").find("a number"), std::string::npos);
+    EXPECT_NE(message("depth=3.5").find("a whole number from 0 to 12"), std::string::npos);
+    EXPECT_NE(message("depth=three").find("a whole number"), std::string::npos);
+    EXPECT_NE(message("elevation=three").find(": a number from -90 to 90"), std::string::npos);
     EXPECT_NE(message("depht=3").find("no setting here: they are panel, model, depth"),
               std::string::npos);
     EXPECT_NE(message("depth").find("NAME=VALUE"), std::string::npos);
@@ -275,6 +318,16 @@ TEST(NamedSettings, ReportUnknownNamesAndBadValues)
     EXPECT_EQ(message("cut axis=z"), "fine");
     EXPECT_NE(viewer.choose_panel("octrees").error().message.find("model, octree"),
               std::string::npos);
+}
+
+TEST(NamedSettings, AreSetOnce)
+{
+    Viewer viewer;
+    ASSERT_TRUE(viewer.choose_panel("octree"));
+    const Status twice =
+        apply_settings({"depth=3", "depth=4"}, [&](Controls& controls) { viewer.offer(controls); });
+    ASSERT_FALSE(twice);
+    EXPECT_EQ(twice.error().message, "\"depth\" is set twice: leave one out");
 }
 
 TEST(NamedSettings, AreAppliedInAnyOrder)

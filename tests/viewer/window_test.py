@@ -107,7 +107,7 @@ class Opening(WindowTest):
         number = self.screen.window()
         files.drop(number, window.middle(), [self.model("one.obj", 5), self.model("two.obj")])
         window.wait(lambda state: state["models"] == 2, "the files")
-        self.assertEqual(window.settled()["facts"]["triangles"], "1", "of the second one")
+        self.assertEqual(window.settled()["facts"]["triangles"], ["3", "1"], "of each")
         files.drop(number, window.middle(), [self.file("broken.stl", "solid\n facet normal 0 0 one\n")])
         window.wait(lambda state: "broken.stl" in state["problem"], "the message")
         self.assertEqual(window.state()["models"], 2)

@@ -117,8 +117,9 @@ public:
             PanelPicture picture;
             picture.layers = model_layers(models, Smoothing::flat);
             picture.layers.push_back({closest_scene(*model, settings, closest, patch, leaf)});
-            picture.legend.entries = {{figure_colors::red, "closest feature"},
-                                      {figure_colors::blue, "triangles round it"}};
+            picture.legend.entries = {{figure_colors::red, "closest feature"}};
+            if (!patch.empty())
+                picture.legend.entries.push_back({figure_colors::blue, "triangles round it"});
             if (settings.leaf && leaf)
                 picture.legend.entries.push_back({figure_colors::green, "leaf of the cursor"});
             if (settings.listed && leaf)

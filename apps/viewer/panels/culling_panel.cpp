@@ -131,10 +131,12 @@ public:
             picture.layers = model_layers(models, Smoothing::flat);
             for (SceneLayer& layer : picture.layers) layer.color = srgb(hidden_color);
             picture.layers.push_back({std::move(scene)});
-            picture.legend.entries = {{figure_colors::red, "volume of the second camera"},
-                                      {visible_color, "triangles in it"},
-                                      {hidden_color, "other triangles"}};
-            if (settings.cells)
+            picture.legend.entries = {{figure_colors::red, "volume of the second camera"}};
+            if (!visible.empty())
+                picture.legend.entries.push_back({visible_color, "triangles in it"});
+            if (visible.size() < model->mesh.triangle_count())
+                picture.legend.entries.push_back({hidden_color, "other triangles"});
+            if (settings.cells && !boxes.empty())
                 picture.legend.entries.push_back({figure_colors::green, "leaves in it"});
             const auto all = static_cast<double>(model->mesh.triangle_count());
             picture.facts = {

@@ -278,6 +278,9 @@ public:
             }
             if (settings.mesh) picture.layers.push_back({.scene = model->smooth, .cut = cut});
             picture.layers.push_back({.scene = cells_scene(settings, **built, groups), .cut = cut});
+            // Cells that stand out of the model are to be seen, too.
+            const Box drawn = bounding_box(picture.layers);
+            if (drawn.extent().norm() > 1.1 * model->box.extent().norm()) picture.focus = drawn;
             picture.legend = legend_of(settings, groups, (*built)->statistics);
             add_facts(picture, **built, shown);
             return picture;

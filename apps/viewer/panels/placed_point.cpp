@@ -145,9 +145,13 @@ void PlacedPoint::offer(Controls& controls, std::string_view name, const ViewMod
             least = std::min(box.center()[axis] - reach, at[axis]);
             most = std::max(box.center()[axis] + reach, at[axis]);
         }
-        if (controls.number(concat(name, axes[static_cast<std::size_t>(axis)]), at[axis], least,
-                            most))
-            is_set = true;
+        const auto k = static_cast<std::size_t>(axis);
+        if (!controls.number(concat(name, axes[k]), at[axis], least, most)) continue;
+        // The others stay where they are seen.
+        if (box.empty())
+            is_set[k] = true;
+        else
+            is_set.fill(true);
     }
 }
 

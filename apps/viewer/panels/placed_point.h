@@ -3,6 +3,7 @@
 
 #include "viewer/panel.h"
 
+#include <array>
 #include <string_view>
 
 namespace proxima {
@@ -32,17 +33,20 @@ struct PointWithNormal {
 
 struct PlacedPoint {
     Vec3 at = Vec3::Zero();
-    bool is_set = false; ///< by a person
+    std::array<bool, 3> is_set = {}; ///< by a person, each coordinate
+
+    [[nodiscard]] bool is_untouched() const { return is_set == std::array<bool, 3>{}; }
 
     /// Where the panel would have it: heeded until somebody has set it.
     void place(const Vec3& to)
     {
-        if (!is_set) at = to;
+        for (int axis = 0; axis < 3; ++axis)
+            if (!is_set[static_cast<std::size_t>(axis)]) at[axis] = to[axis];
     }
     void set(const Vec3& to)
     {
         at = to;
-        is_set = true;
+        is_set.fill(true);
     }
 
     /// Three numbers "NAME x", "NAME y" and "NAME z", as far as three times the models' size.

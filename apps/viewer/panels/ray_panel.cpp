@@ -128,6 +128,10 @@ public:
             PanelPicture picture;
             const double size = model->box.extent().norm();
             picture.layers.push_back({ray_scene(settings, **octree, ray, cells, hits, size)});
+            picture.focus = bounding_box(models);
+            const Box drawn = bounding_box(picture.layers);
+            picture.focus->extend(drawn.lower);
+            picture.focus->extend(drawn.upper);
             for (SceneLayer& layer : model_layers(models, Smoothing::smooth)) {
                 layer.opacity = static_cast<float>(settings.mesh_opacity);
                 if (layer.opacity > 0.0F) picture.layers.push_back(std::move(layer));
@@ -135,12 +139,15 @@ public:
             picture.legend.title = settings.weight == RayWeight::penetration
                                        ? "penetration of a cell"
                                        : "chord per diagonal of a cell";
+            if (cells.empty()) picture.legend.title.clear();
             for (const int quarters : {0, 1, 2, 3, 4}) {
+                if (cells.empty()) break;
                 const double weight = 0.25 * quarters;
                 picture.legend.entries.push_back(
                     {hex_of(intensity_color(weight)), fmt::format("{:.2f}", weight)});
             }
-            picture.legend.entries.push_back({figure_colors::blue, "surface that is hit"});
+            if (!hits.empty())
+                picture.legend.entries.push_back({figure_colors::blue, "surface that is hit"});
             picture.facts = {{"cells along the ray", fmt::format("{}", all)},
                              {"shown", fmt::format("{}", cells.size())},
                              {"length in the root", fmt::format("{:.6g}", chords)},

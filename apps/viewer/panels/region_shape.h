@@ -59,7 +59,7 @@ void add_region(DrawnScene& scene, const RegionShape& shape, const Color& color)
 /// "drawn", or what is to be known of it: that it is flat, behind the surface, or empty.
 [[nodiscard]] std::string words_for_region(const RegionShape& shape);
 
-/// "from 0.01 to 0.03 away another feature is as near", or that there is none. \pre it is not empty
+/// How far away another feature is as near: "0.01 to 0.03 away", or that there is none. \pre it is not empty
 [[nodiscard]] std::string words_for_end(const RegionShape& shape);
 
 } // namespace proxima

@@ -139,7 +139,7 @@ public:
         settings_.model = std::clamp(settings_.model, 1, static_cast<int>(models.size()));
         const double size = model()->box.extent().norm();
         const PointWithNormal pressed = visible_point(*model(), to_eye, outside_height);
-        if (!settings_.target.is_set) settings_.outward = pressed.normal;
+        if (settings_.target.is_untouched()) settings_.outward = pressed.normal;
         settings_.target.place(pressed.above(-pressed_depth * size));
     }
 

@@ -223,7 +223,9 @@ public:
 
     [[nodiscard]] Box focus(const ViewModels& models) const override
     {
-        return models.empty() ? Box{} : close_up(*model(), settings_.cursor.at, 0.05);
+        if (models.empty()) return {};
+        return close_up(*model(), settings_.is_set ? middle_of_feature() : settings_.cursor.at,
+                        0.05);
     }
 
     [[nodiscard]] PanelTask task(const ViewModels& models) const override
@@ -278,6 +280,20 @@ private:
     [[nodiscard]] FeatureWithPoint likely_feature() const
     {
         return feature_with_region(*model(), settings_.kind, settings_.cursor.at, to_eye_);
+    }
+    /// \pre there are models
+    [[nodiscard]] Vec3 middle_of_feature() const
+    {
+        const ViewModel& of = *model();
+        const auto number = static_cast<std::uint32_t>(settings_.number);
+        if (settings_.kind == FeatureKind::vertex) return of.mesh.positions()[number];
+        if (settings_.kind == FeatureKind::face) {
+            const Triangle corners = of.mesh.triangle(TriangleId{number});
+            return (corners[0] + corners[1] + corners[2]) / 3.0;
+        }
+        const EdgeVertices& ends = of.topology.vertices(EdgeId{number});
+        const auto positions = of.mesh.positions();
+        return 0.5 * (positions[to_index(ends[0])] + positions[to_index(ends[1])]);
     }
     /// Before there are models any number will do.
     [[nodiscard]] int most_number() const

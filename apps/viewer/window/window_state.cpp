@@ -1,5 +1,7 @@
 #include "viewer/window/window_state.h"
 
+#include "viewer/facts_json.h"
+
 #include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
@@ -38,8 +40,6 @@ Status write_window_state(const std::string& path, const WindowState& state, con
                                  {"y", widget.y},           {"width", widget.width},
                                  {"height", widget.height}, {"needs", widget.needs}};
     }
-    Json facts = Json::object();
-    for (const PanelFact& fact : viewer.facts()) facts[fact.name] = fact.value;
     const auto progress = viewer.progress();
     const OrbitCamera& camera = viewer.camera();
     const Json json = {{"frames", state.frames},
@@ -56,7 +56,7 @@ Status write_window_state(const std::string& path, const WindowState& state, con
                        {"problem", state.problem},
                        {"news", state.news},
                        {"controls", controls},
-                       {"facts", facts},
+                       {"facts", facts_json(viewer.facts())},
                        {"handles", of(viewer, state)},
                        {"picked", viewer.picked()
                                       ? Json(static_cast<std::uint32_t>(viewer.picked()->triangle))
