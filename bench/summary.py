@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 """Prints medians of a Google Benchmark report, wall and processor time, and within each group "name/" the
-ratio to `fast`, or to the row registered first where there is none. Rows with "threads" in their name compare wall time
+ratio to `fast`, or to the row registered first where there is none. Exit status 1 where a benchmark failed. Rows with "threads" in their name compare wall time
 with wall time, the others processor time with processor time.
 
     bench/summary.py REPORT.json
@@ -17,7 +17,10 @@ def main(path):
     print(f"{context['num_cpus']} cores at {context['mhz_per_cpu']} MHz, load {context['load_avg']}, "
           "medians of interleaved repetitions")
     groups = {}
+    errors = {}
     for run in report["benchmarks"]:
+        if run.get("error_occurred"):
+            errors[run["run_name"]] = run.get("error_message", "an error")
         if run.get("run_type") != "iteration" or run.get("error_occurred"):
             continue
         group, _, method = run["run_name"].removesuffix("/real_time").removesuffix("/manual_time").partition("/")
@@ -51,7 +54,10 @@ def main(path):
                 notes.append(runs[0]["label"])
             print(f"  {method:24s} {wall[method]:10.3f} {unit} {cpu[method]:10.3f} {unit} "
                   f"{time / clock[base]:8.2f} x  {', '.join(notes)}")
+    for name, what in errors.items():
+        print(f"summary.py: {name} failed: {what}", file=sys.stderr)
+    return 1 if errors else 0
 
 
 if __name__ == "__main__":
-    main(sys.argv[1])
+    sys.exit(main(sys.argv[1]))
