@@ -48,6 +48,19 @@ struct Field {
     std::vector<SignMethod> methods;
 };
 
+/// As many zeros, with a look at requests to stop: gigabytes take seconds.
+template <class T>
+Status make_room(std::vector<T>& values, std::size_t count, const Session& session)
+{
+    constexpr std::size_t block = std::size_t{1} << 20U;
+    values.reserve(count);
+    while (values.size() < count) {
+        if (Status status = session.check_running(); !status) return status;
+        values.resize(std::min(count, values.size() + block));
+    }
+    return {};
+}
+
 /// By extension.
 Result<FieldFormat> format_of(const std::string& path)
 {
@@ -92,9 +105,10 @@ Result<Field> make_field(const MeshIndex& index, const SdfOptions& options, Fiel
     Field field;
     field.grid = *grid;
     const std::size_t count = grid->point_count();
-    field.distances.resize(count);
-    if (options.gradients) field.gradients.resize(count);
-    if (options.methods) field.methods.resize(count);
+    Status room = make_room(field.distances, count, session);
+    if (room && options.gradients) room = make_room(field.gradients, count, session);
+    if (room && options.methods) room = make_room(field.methods, count, session);
+    if (!room) return tl::unexpected(room.error());
     const ProgressBar shown(session.progress(), session.bar());
     if (Status status = distance_field(
             index, field.grid,

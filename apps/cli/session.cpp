@@ -202,8 +202,9 @@ Status Session::check_inputs(const std::vector<std::string>& outputs) const
     for (const std::string& output : outputs) {
         if (!std::filesystem::is_regular_file(output, error)) continue;
         const auto is_it = [&](const std::string& argument) {
-            return !is_sample_mesh_name(argument) &&
-                   true_path(std::string(without_kind(argument))) == output;
+            const std::string file =
+                argument == to_stdout ? "/dev/stdin" : std::string(without_kind(argument));
+            return !is_sample_mesh_name(argument) && true_path(file) == output;
         };
         if (std::ranges::count_if(options_.arguments, is_it) ==
             std::ranges::count_if(options_.outputs, is_it))

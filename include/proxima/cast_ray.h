@@ -47,7 +47,7 @@ struct RayHit {
 
 /// The first hit. Real-time safe: noexcept, no allocation, no lock; any number of threads.
 /// 0.05 to 0.5 us on scanned models; rays from beyond 2^80 times the mesh's size are asked of every
-/// triangle, for up to 5 us each.
+/// triangle, for up to 5 us each, beyond 2^300 times up to 120 us.
 [[nodiscard]] std::optional<RayHit> closest_hit(const MeshIndex& index, const Ray& ray,
                                                 Faces faces = Faces::both) noexcept;
 

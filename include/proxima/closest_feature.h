@@ -41,8 +41,8 @@ struct ClosestFeature {
     double squared_distance = 0.0;          ///< from the query to `point`
 };
 
-/// The answer to a point that is not finite: numbers are NaN, the triangle is no_triangle, and the
-/// feature none of any mesh.
+/// What a batch answers where the index has no triangles: numbers are NaN, the triangle is no_triangle, and
+/// the feature none of any mesh. Distances that are asked for alone are infinite.
 [[nodiscard]] inline ClosestFeature no_closest_feature() noexcept
 {
     constexpr double nan = std::numeric_limits<double>::quiet_NaN();

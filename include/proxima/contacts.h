@@ -3,9 +3,9 @@
 //     auto a = build_solid(*index_a);                       // once per mesh; as b
 //     auto depth = penetration_depth(*a, *b, pose_b);       // how far B must move to be free
 //     move_b(depth->translation);
-//     for (const auto& region : contact_regions(*a, *b, pose_b)->regions)
+//     auto met = contact_regions(*a, *b, pose_b);
+//     for (const ContactRegion& region : met->regions)
 //         for (const RegionPoint& p : region.contacts()) push(p.on_a, p.on_b, region.normal);
-//
 //          ______________                penetration depth: the shortest translation of B that
 //         |      B       |               separates the two: one number for the pair
 //      ___|______________|___  contour

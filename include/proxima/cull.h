@@ -49,7 +49,7 @@ void visit_visible(const MeshIndex& index, const ViewVolume& volume, CullMode mo
                                          CullMode mode = CullMode::conservative) noexcept;
 
 /// The ids of the visible triangles, ascending, in place of what `ids` held. Allocates where that
-/// is too small, and a bit per triangle.
+/// is too small, a bit per triangle, and 8 bytes per visible range.
 void visible_triangles(const MeshIndex& index, const ViewVolume& volume, CullMode mode,
                        std::vector<TriangleId>& ids);
 [[nodiscard]] std::vector<TriangleId> visible_triangles(const MeshIndex& index,

@@ -5,8 +5,8 @@
 //     auto octree = build_octree(mesh, {.max_depth = 9, .execution = {.progress = &progress}});
 //     // from a signal handler or another thread: progress.cancel();
 //
-// Options of operations that run long or on several threads end with an Execution. Results never
-// depend on it: they have the same bits for every number of threads.
+// Options of operations that run long or on several threads end with an Execution. Results have the same bits for every
+// number of threads. The budget refuses work, bounds how narrow deviations become, and which lists with_lists() keeps.
 #pragma once
 
 #include "proxima/export.h"

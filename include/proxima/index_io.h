@@ -22,7 +22,7 @@
 namespace PROXIMA_EXPORT proxima {
 
 /// Writes the index whole or not at all. The same index gives the same bytes. Errors:
-/// invalid_argument (no triangles; refitted lists: build them again), file_not_writable, cancelled. O(bytes).
+/// invalid_argument (no triangles; lists that lost leaves in a refit: build them again), file_not_writable, cancelled. O(bytes).
 [[nodiscard]] Status save_index(const MeshIndex& index, const std::filesystem::path& path,
                                 const SaveOptions& options = {});
 

@@ -60,8 +60,8 @@ struct ReadOptions {
 /// line, three numbers and any that follow, which are passed over. Polygons of n corners become n - 2
 /// triangles: a fan where that is right, ears where it is not; degenerate triangles are kept. NaN and
 /// infinite coordinates are values here; checked_bounding_box() refuses them later. A file whose records end early, promise more than
-/// there is, or are followed by something that does not belong to them is refused: nothing is lost
-/// silently. Errors: file_not_found, unsupported_format, malformed_file (with file and line, or
+/// there is, or are followed by something that does not belong to them is refused. An OBJ that ends between two lines
+/// looks whole, and assimp may drop triangles of a glTF. Errors: file_not_found, unsupported_format, malformed_file (with file and line, or
 /// byte), limit_exceeded (a face of more than 2^20 corners, or a concave one of more than 2^14),
 /// budget_exceeded (before the memory is taken), cancelled.
 [[nodiscard]] Result<TriangleMesh> read_mesh(const std::filesystem::path& path,

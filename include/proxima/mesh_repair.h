@@ -4,7 +4,7 @@
 //     for (const RepairStep& step : repair->steps) {
 //         std::cout << name_of(step.kind) << ": " << step.count << '\n';
 //     }
-//     write_mesh(repair->mesh, "repaired.ply");
+//     const Status written = write_mesh(repair->mesh, "repaired.ply");
 //     repair->original_triangles[7];   // the id that triangle 7 had in `mesh`
 //
 // No step invents a position or a triangle: holes stay open and intersections stay. report_mesh()

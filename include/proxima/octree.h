@@ -156,7 +156,7 @@ struct OctreeNode {
 };
 static_assert(sizeof(OctreeNode) == 8);
 
-/// A cell of one octree, as traversals hand it around: a value of 24 bytes.
+/// A cell of one octree, as traversals hand it around: a value of 16 bytes.
 struct Cell {
     static constexpr std::uint32_t no_node = std::numeric_limits<std::uint32_t>::max();
 
@@ -276,8 +276,8 @@ struct OctreeOptions {
 };
 
 /// Builds the octree; the same bits for any number of threads and any instruction set.
-/// Errors: invalid_argument (depth, root), invalid_mesh (empty, NaN), budget_exceeded,
-/// limit_exceeded (2^31 references), cancelled. Leaves list exactly the triangles that touch the
+/// Errors: invalid_argument (depth, root), invalid_mesh (empty, NaN, beyond 1e100), budget_exceeded,
+/// limit_exceeded (2^31 cells or references), cancelled. Leaves list exactly the triangles that touch the
 /// closed cell. Cost: linear in the references, a few tens of nanoseconds each: `scripts/bench
 /// octree` measures it.
 [[nodiscard]] Result<Octree> build_octree(const TriangleMesh& mesh,

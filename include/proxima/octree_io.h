@@ -30,8 +30,8 @@ struct LoadOptions {
     Verification verify = Verification::full;
     FileAccess access = FileAccess::read;
     /// Stages "loading file" and "checksums" (bytes), then "checking the octree" (nodes) or
-    /// "checking the index" (bytes). The budget is of a file that is read, the threads are of the
-    /// last stage.
+    /// "checking the index" (bytes). The budget is of a file that is read, the threads are of
+    /// "checking the index"; octrees are checked on one.
     Execution execution = {};
 };
 

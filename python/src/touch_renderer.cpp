@@ -227,7 +227,7 @@ TouchRenderer(model, *, device="omni", units_per_metre=None, center=None, stiffn
     stiffness         N/m, damping in N s/m: at most the device's
     proxy_radius      m; 0 is a point
     static_friction   of what has no Material, as stiffness and damping; dynamic_friction at most that
-    guard             "on": walls never give more energy than they took; "observe" or "off"
+    guard             "on": walls that swing are damped, then softened; "observe" or "off"
     texture           a Texture, of what has none of its own
     shading           True: forces lean towards the smooth normals of objects that were added with shading
 

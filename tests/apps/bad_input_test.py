@@ -343,6 +343,9 @@ class Outputs(ProgramTest):
                           ("minkowski", mesh, "cube", "--out", mesh)):
             with self.subTest(arguments):
                 self.refuse(*arguments, says="read and written")
+        for arguments in (("closest", "cube", "--points", "-", "--out", points), ("closest", "cube", "--points", "-", "--json", points)):
+            with self.subTest(arguments), open(points) as redirected:
+                self.refuse(*arguments, stdin=redirected, says="read and written")
         for path, content in kept.items():
             self.assertEqual(path.read_bytes(), content)
 

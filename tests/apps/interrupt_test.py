@@ -115,6 +115,10 @@ class Building(InterruptTest):
                 self.interrupt("touch", "icosphere:4", "--device", f"replay:{recording}", "--json", self.folder / "a.json",
                                when=after(seconds), keeps=["long.pxt"])
 
+    def test_fields(self):
+        # While there is nothing but zeros.
+        self.interrupt("sdf", "cube", "--resolution", 450, "--out", self.folder / "a.npy", when=after(0.1))
+
     def test_compare(self):
         self.interrupt("compare", "spaceship:300000", "--json", self.folder / "a.json", when=after(1))
 

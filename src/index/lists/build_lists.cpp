@@ -104,6 +104,7 @@ private:
         growing.execution = options_.execution;
         auto top = grow_top(*features, *density, frame_.frame_half(), growing);
         if (!top) return std::nullopt;
+        growing.most_work = most_work(*features, *top);
         if (!grow_sample(*features, *density, *top, bytes, growing)) return std::nullopt;
         growing.cost.price = 0.5 * price_;
         std::vector<const OpenCell*> all;
@@ -111,6 +112,16 @@ private:
         auto below = grow_below(*features, *density, all, growing);
         if (!below) return std::nullopt;
         return join_forest(std::move(*top), std::move(*below));
+    }
+
+    /// Below its topmost cells a mesh takes up to about 120 times its features; where many triangles are in the same
+    /// place, without a limit, the square of them.
+    static double most_work(const LocalFeatures& features, const GrownTop& top)
+    {
+        constexpr double of_all = 1024;
+        double open = 1;
+        for (const OpenCell& cell : top.open) open += static_cast<double>(cell.features.size());
+        return of_all * static_cast<double>(features.features.size()) / open;
     }
 
     /// Every sixteenth part of the octree, at a price at which it takes at least its share of the
@@ -198,7 +209,8 @@ private:
     {
         const Threads threads = options_.execution.threads;
         std::optional<EmittedLists> best;
-        double low = 0; // too large there
+        double low = 0;  // too large there
+        double high = 0; // not too large there; 0: not known
         for (int tries = 0;; ++tries) {
             const double modelled = cut_cells(forest, price_, threads);
             if (tries == 0 && !sample_.empty()) {
@@ -210,11 +222,21 @@ private:
                 (void)cut_cells(forest, price_, threads);
             }
             auto octree = emit_lists(forest, {positions_, corners_}, emit_options());
-            if (!octree || forest.top.cells[0].ended != 0) return octree;
+            if (!octree) return std::nullopt;
             const double used = octree->part_of(bytes);
             if (used <= 1 && (!best || octree->bytes() > best->bytes())) best = std::move(octree);
-            if (best && (used > 0.9 || price_ <= sample_price_ || tries >= 2)) return best;
-            if (used > 1) low = price_;
+            const double best_used = best ? best->part_of(bytes) : 0;
+            const int most_tries = best_used > 0.5 ? 2 : 8;
+            if (best && (best_used > 0.9 || price_ <= sample_price_ || tries >= most_tries))
+                return best;
+            GrownCell& root = forest.top.cells[0];
+            if (used > 1 && root.ended != 0) {
+                // Even one list is too large: none.
+                root.searched = 1;
+                return best ? std::move(best)
+                            : emit_lists(forest, {positions_, corners_}, emit_options());
+            }
+            (used > 1 ? low : high) = price_;
             sample_share_ *= 0.97 / used;
             if (!sample_.empty()) {
                 const auto taken = sample_bytes(price_);
@@ -222,6 +244,8 @@ private:
             }
             // Where the sample misleads, or there is none.
             if (used > 1) price_ = std::max(price_, low * (1.1 + tries * tries));
+            if (low > 0 && high > 0 && !(price_ > low && price_ < high))
+                price_ = std::sqrt(low) * std::sqrt(high);
         }
     }
 

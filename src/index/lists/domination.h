@@ -20,7 +20,7 @@
 
 namespace proxima {
 
-/// Scratch of drop_dominated, to be reused. Eight floats per feature.
+/// Scratch of drop_dominated, to be reused. Four floats per feature.
 struct DominationScratch {
     std::vector<float> bounds; ///< per feature: n 3 | L_f at the centre
 };

@@ -6,6 +6,7 @@
 #include "index/lists/domination.h"
 #include "index/lists/local_region.h"
 
+#include <algorithm>
 #include <array>
 #include <bit>
 #include <memory>
@@ -47,6 +48,18 @@ std::array<OpenCell, 8> children_of(const OpenCell& cell, const QueryDensity& de
     }
     return children;
 }
+
+/// Counts the splits in a row that the children come from and that left nearly all of them with nearly all
+/// features. Once, that may be, as round the middle of a ball. Where many triangles are in the same place it goes on
+/// for ever: after the second time nothing is split.
+void count_idle_splits(const OpenCell& cell, std::size_t features, std::size_t of_children,
+                       std::array<OpenCell, 8>& children)
+{
+    const bool is_idle = of_children >= 6 * features;
+    for (OpenCell& child : children)
+        child.idle_splits = is_idle ? static_cast<std::uint8_t>(cell.idle_splits + 1) : 0;
+}
+constexpr int most_idle_splits = 2;
 
 /// Splits cells; one per thread at a time.
 class CellGrower {
@@ -106,6 +119,21 @@ public:
                options_.cost.may_split(grown.probability, count, fewest);
     }
 
+    /// The tree of a cell and all that is below it.
+    void grow_tree(const OpenCell& root, GrownTree& tree)
+    {
+        constexpr double least_work = 1 << 18;
+        work_ = 0;
+        most_work_ =
+            std::max(options_.most_work * static_cast<double>(root.features.size()), least_work);
+        tree.key = root.key;
+        tree.cells.push_back(describe(root, root.features, tree));
+        (void)grow(root, root.features, 0, unknown, tree);
+        tree.cells.shrink_to_fit();
+        tree.lists.shrink_to_fit();
+    }
+
+private:
     /// Everything below `cell`, whose description is tree.cells[position] and whose parent lists so many
     /// triangles. Returns the cost of the
     /// cheapest way to end, with what does not pay taken back.
@@ -115,12 +143,18 @@ public:
         const GrownCell grown = tree.cells[position];
         const double as_leaf = options_.cost.leaf(grown.probability, grown.triangles);
         const int level = depth(cell.key);
-        if (!may_split(grown, level, parents) || is_cancelled(options_.execution.progress))
+        if (!may_split(grown, level, parents) || cell.idle_splits >= most_idle_splits ||
+            work_ > most_work_ || tree.lists.size() > options_.most_list_bytes ||
+            is_cancelled(options_.execution.progress))
             return as_leaf;
+        work_ += static_cast<double>(list.size());
 
         auto& scratch = lists_at(level);
         split(cell.cube, list, scratch);
-        const std::array<OpenCell, 8> children = children_of(cell, density_);
+        std::array<OpenCell, 8> children = children_of(cell, density_);
+        std::size_t of_children = 0;
+        for (const auto& one : scratch) of_children += one.size();
+        count_idle_splits(cell, list.size(), of_children, children);
         const std::size_t first = tree.cells.size();
         const std::size_t first_byte = tree.lists.size();
         for (std::size_t i = 0; i < 8; ++i)
@@ -137,7 +171,6 @@ public:
         return as_split;
     }
 
-private:
     Lists& lists_at(int level)
     {
         auto& lists = levels_[static_cast<std::size_t>(level)];
@@ -152,6 +185,8 @@ private:
     DominationScratch scratch_;
     RankSet taken_;
     std::vector<std::uint32_t> cover_;
+    double work_ = 0;      ///< features that were looked at for the tree at hand
+    double most_work_ = 0; ///< after which none of its cells is split
     std::array<std::unique_ptr<Lists>, max_list_depth + 1> levels_;
 };
 
@@ -192,7 +227,8 @@ std::optional<GrownTop> grow_top(const LocalFeatures& features, const QueryDensi
     top.tree.cells.push_back(grower.describe(level[0], level[0].features, top.tree));
     const auto drop_finished = [&](int depth) {
         std::erase_if(level, [&](const OpenCell& one) {
-            return !grower.may_split(top.tree.cells[one.position], depth, unknown);
+            return one.idle_splits >= most_idle_splits ||
+                   !grower.may_split(top.tree.cells[one.position], depth, unknown);
         });
     };
     for (int depth = 0; depth < top_depth; ++depth) {
@@ -219,6 +255,14 @@ std::optional<GrownTop> grow_top(const LocalFeatures& features, const QueryDensi
             advance_stage(options.execution.progress, 1);
         });
         if (is_cancelled(options.execution.progress)) return std::nullopt;
+        std::uint64_t list_bytes = top.tree.lists.size();
+        for (const GrownTree& one : described) list_bytes += one.lists.size();
+        if (list_bytes > options.most_list_bytes) break; // each is split on its own
+        for (std::size_t i = 0; i < level.size(); ++i) {
+            std::size_t of_children = 0;
+            for (const OpenCell& one : next[i]) of_children += one.features.size();
+            count_idle_splits(level[i], level[i].features.size(), of_children, next[i]);
+        }
         std::vector<OpenCell> cells;
         for (std::size_t i = 0; i < described.size(); ++i) {
             GrownTree& tree = top.tree;
@@ -250,12 +294,7 @@ std::optional<std::vector<GrownTree>> grow_below(const LocalFeatures& features,
     parallel_for(open.size(), options.execution.threads, [&](std::size_t i) {
         if (is_cancelled(options.execution.progress)) return;
         CellGrower grower(features, density, options);
-        GrownTree& tree = trees[i];
-        tree.key = open[i]->key;
-        tree.cells.push_back(grower.describe(*open[i], open[i]->features, tree));
-        (void)grower.grow(*open[i], open[i]->features, 0, unknown, tree);
-        tree.cells.shrink_to_fit();
-        tree.lists.shrink_to_fit();
+        grower.grow_tree(*open[i], trees[i]);
         advance_stage(options.execution.progress, 1);
     });
     if (is_cancelled(options.execution.progress)) return std::nullopt;

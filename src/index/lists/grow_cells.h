@@ -19,6 +19,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <optional>
 #include <span>
 #include <vector>
@@ -56,7 +57,8 @@ struct OpenCell {
     CellKey key;
     CellDensity density;
     std::vector<std::uint32_t> features;
-    std::uint32_t position = 0; ///< in the tree that it belongs to
+    std::uint32_t position = 0;   ///< in the tree that it belongs to
+    std::uint8_t idle_splits = 0; ///< of the cells above it, one after the other: is_idle_split
 };
 
 /// All cells: `top` down to a few levels; leaves of it may be the roots of trees of `below`.
@@ -79,7 +81,10 @@ struct GrowOptions {
     CostModel cost = {};            ///< cells that cannot pay at this price are not split
     int max_depth = max_list_depth; ///< of any cell
     std::size_t max_triangles = list_triangles; ///< lists this short are not split
-    std::size_t stride = 1;                     ///< of the trees below the top, only each stride-th
+    double most_work = std::numeric_limits<
+        double>::infinity(); ///< features that are looked at below a cell, per feature of its own
+    std::uint64_t most_list_bytes = std::uint64_t{1}
+                                    << 31U; ///< trees with so many are not split further
     Execution execution = {};
 };
 

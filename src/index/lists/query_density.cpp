@@ -65,7 +65,7 @@ std::optional<QueryDensity> QueryDensity::sample(const TriangleMesh& mesh, const
         area += areas[i];
     }
     const std::size_t count = std::min(points_per_triangle * mesh.triangle_count(), max_points);
-    StageSteps steps(progress, "expected queries", 2 * count);
+    StageSteps steps(progress, "expected queries", count);
     std::vector<KeyedIndex> items;
     items.reserve(count);
     Sequence sequence;

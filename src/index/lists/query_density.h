@@ -1,5 +1,5 @@
 // Where queries are expected: half of them anywhere in the box 1.2 times the mesh's, half of them
-// within 1 % of the diagonal of the surface.
+// within 2 % of the diagonal of the surface.
 #pragma once
 
 #include "index/lists/root_frame.h"

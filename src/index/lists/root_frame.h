@@ -1,4 +1,4 @@
-// The root cube of closest-feature lists, and its own coordinates: centre 0, half edge in (1/2, 1].
+// The root cube of closest-feature lists, and its own coordinates: centre 0, half edge in [1/2, 1).
 #pragma once
 
 #include "proxima/geometry.h"
@@ -9,7 +9,7 @@ namespace proxima {
 struct RootFrame {
     Vec3 center = Vec3::Zero();
     double half = 1.0;  ///< half its edge, in the mesh's unit
-    double scale = 1.0; ///< mesh's unit to frame's: half * scale is in (1/2, 1]
+    double scale = 1.0; ///< mesh's unit to frame's: half * scale is in [1/2, 1)
 
     /// In the frame's coordinates; one rounding per axis.
     [[nodiscard]] Vec3 to_frame(const Vec3& p) const noexcept { return (p - center) * scale; }

@@ -6,7 +6,11 @@
 #include "code_of.h"
 #include "counted_allocations.h"
 #include "index/index_parts.h"
+#include "index/lists/grow_cells.h"
+#include "index/lists/local_features.h"
 #include "index/lists/proximity_lists.h"
+#include "index/lists/query_density.h"
+#include "index/lists/root_frame.h"
 #include "index/test_meshes.h"
 #include "proxima/closest_feature.h"
 #include "proxima/sample_meshes.h"
@@ -145,6 +149,123 @@ TEST(Lists, AreBuiltInReasonWhereManyTrianglesAreInTheSamePlace)
         const auto topology = build_topology(mesh);
         ASSERT_TRUE(topology);
         expect_answers(build(mesh), mesh, *topology, proximity_points(mesh, 300, 4));
+    }
+}
+
+/// A cube, and triangles without area at its middle, each with vertices of its own.
+TriangleMesh cube_with_points_at_its_middle(std::uint32_t count)
+{
+    const TriangleMesh cube = sample_mesh("cube").value();
+    std::vector<Vec3> positions(cube.positions().begin(), cube.positions().end());
+    std::vector<TriangleCorners> triangles(cube.triangles().begin(), cube.triangles().end());
+    for (std::uint32_t i = 0; i < count; ++i) {
+        const auto first = static_cast<std::uint32_t>(positions.size());
+        positions.insert(positions.end(), 3, Vec3::Zero());
+        triangles.push_back({first, first + 1, first + 2});
+    }
+    return make_triangle_mesh(std::move(positions), std::move(triangles)).value();
+}
+
+/// What cells are grown from.
+struct Grown {
+    explicit Grown(const TriangleMesh& mesh)
+        : index(build_mesh_index(mesh).value()), bounds(checked_bounding_box(mesh).value()),
+          frame(make_root_frame(bounds, ListOptions{}.margin)),
+          features(collect_local_features(mesh, build_topology(mesh).value(), index.ids(), frame,
+                                          nullptr)
+                       .value()),
+          density(QueryDensity::sample(mesh, bounds, frame, nullptr).value())
+    {}
+
+    [[nodiscard]] GrownTop top(const GrowOptions& options = {}) const
+    {
+        return grow_top(features, density, frame.frame_half(), options).value();
+    }
+    /// Of all that is below the topmost cells.
+    [[nodiscard]] std::vector<GrownTree> below(const GrownTop& top,
+                                               const GrowOptions& options) const
+    {
+        std::vector<const OpenCell*> open;
+        for (const OpenCell& cell : top.open) open.push_back(&cell);
+        return grow_below(features, density, open, options).value();
+    }
+
+    MeshIndex index;
+    Box bounds;
+    RootFrame frame;
+    LocalFeatures features;
+    QueryDensity density;
+};
+
+TEST(Lists, TopmostCellsAreNotSplitWhereNearlyAllOfThemKeepNearlyAll)
+{
+    const Grown grown(cube_with_points_at_its_middle(300));
+    std::size_t open = 0;
+    for (const OpenCell& cell : grown.top().open) open += cell.features.size();
+    // Split to the fourth level, they list the features more than a thousand times.
+    EXPECT_LT(open, 300 * grown.features.features.size());
+}
+
+TEST(Lists, GrowWithinLimits)
+{
+    const Grown grown(sample_mesh("icosphere:3").value());
+    // The root's list alone has a byte for each triangle.
+    const GrownTop small = grown.top({.most_list_bytes = 4000});
+    EXPECT_LE(small.tree.lists.size(), 4000U);
+    EXPECT_GE(small.open.size(), 1U);
+    const GrownTop top = grown.top();
+    GrowOptions options = {.cost = {.price = 0x1p-40}};
+    const auto longest = [&] {
+        std::size_t most = 0;
+        for (const GrownTree& tree : grown.below(top, options))
+            most = std::max(most, tree.lists.size());
+        return most;
+    };
+    const std::size_t free = longest();
+    options.most_list_bytes = free / 4;
+    EXPECT_LT(longest(), free / 2);
+    options.most_list_bytes = GrowOptions{}.most_list_bytes;
+    options.most_work = 0;
+    EXPECT_LE(longest(), free);
+}
+
+TEST(Lists, AreNoLargerThanAskedForAndUseWhatTheyMay)
+{
+    for (const char* const name :
+         {"icosphere:3", "spaceship:1300", "sphere:16x20", "torus:30x40"}) {
+        const TriangleMesh mesh = sample_mesh(name).value();
+        const auto topology = build_topology(mesh);
+        for (const std::uint64_t bytes : {1024U, 8000U, 80000U}) {
+            for (const int depth : {0, 2, 14}) {
+                SCOPED_TRACE(std::string(name) + ' ' + std::to_string(bytes));
+                const MeshIndex index = build(mesh, {.list_bytes = bytes, .max_depth = depth});
+                EXPECT_LE(index.parts().lists()->bytes(), bytes) << depth;
+                expect_answers(index, mesh, *topology, proximity_points(mesh, 20, 4));
+            }
+        }
+    }
+    // Deeper cells are never worse than coarser ones of the same size.
+    const TriangleMesh sphere = sample_mesh("sphere:16x20").value();
+    const auto expected = [&](int depth) {
+        return build(sphere, {.list_bytes = 40000, .max_depth = depth})
+            .parts()
+            .lists()
+            ->statistics()
+            .expected_list;
+    };
+    EXPECT_LT(expected(14), 1.05 * expected(2));
+}
+
+TEST(Lists, RootsContainWhatIsRoundedOutOfTheMiddle)
+{
+    // The middle of the box rounds to one of its ends.
+    const TriangleMesh mesh =
+        make_triangle_mesh({Vec3(1, 0, 0), Vec3(1 + 0x1p-52, 0, 0)}, {{0, 1, 1}}).value();
+    EXPECT_DOUBLE_EQ(build(mesh).parts().lists()->frame().half, 0x1p-52);
+    for (const auto& [margin, half] :
+         {std::pair{0.0, 1.0}, std::pair{1.0, 2.0}, std::pair{3.0, 4.0}}) {
+        const MeshIndex index = build(sample_mesh("cube").value(), {.margin = margin});
+        EXPECT_DOUBLE_EQ(index.parts().lists()->frame().half, half);
     }
 }
 
@@ -294,7 +415,7 @@ TEST(Lists, QueriesDoNotAllocate)
 TEST(Lists, RefuseInvalidMeshesAndOptions)
 {
     const TriangleMesh cube = sample_mesh("cube").value();
-    const auto code = [](const Result<MeshIndex>& result) { return result.error().code; };
+    const auto code = [](const Result<MeshIndex>& result) { return code_of(result); };
     EXPECT_EQ(code(testing::listed_index(TriangleMesh())), ErrorCode::invalid_mesh);
     const double nan = std::numeric_limits<double>::quiet_NaN();
     const TriangleMesh broken =

@@ -90,8 +90,8 @@ TEST(LeafCandidates, ListTheClosestFeatureOfEveryPointOfTheirBox)
     for (const NamedMesh& named : proximity_meshes()) {
         SCOPED_TRACE(named.name);
         const Topology topology = build_topology(named.mesh).value();
-        for (const std::uint64_t bytes_per_triangle : {200U, 600U}) {
-            const std::uint64_t budget = 4096 + bytes_per_triangle * named.mesh.triangle_count();
+        for (const std::uint64_t bytes_per_triangle : {20U, 200U, 600U}) {
+            const std::uint64_t budget = 2048 + bytes_per_triangle * named.mesh.triangle_count();
             const auto index = testing::listed_index(named.mesh, {.list_bytes = budget}).value();
             std::vector<TriangleId> buffer(index.parts().lists()->statistics().max_list);
             for (const Vec3& p : proximity_points(named.mesh, 40, 13)) {
@@ -166,9 +166,9 @@ TEST(LeafCoverage, EveryLeafListsTheClosestFeatureOfItsPoints)
         ASSERT_TRUE(topology);
         const auto plain = build_mesh_index(named.mesh);
         ASSERT_TRUE(plain);
-        for (const std::uint64_t bytes_per_triangle : {200U, 600U}) {
+        for (const std::uint64_t bytes_per_triangle : {20U, 200U, 600U}) {
             SCOPED_TRACE(bytes_per_triangle);
-            const std::uint64_t budget = 4096 + bytes_per_triangle * named.mesh.triangle_count();
+            const std::uint64_t budget = 2048 + bytes_per_triangle * named.mesh.triangle_count();
             const auto index = testing::listed_index(named.mesh, {.list_bytes = budget});
             ASSERT_TRUE(index) << describe(index.error());
             const Coverage coverage = ask_every_leaf(*index, *plain, *topology, 3);
