@@ -90,7 +90,7 @@ class Manual(unittest.TestCase):
 
     def test_options_exist(self):
         # Options of CMake, of Google Benchmark, of Open MPI and of scripts/check are not the program's.
-        foreign = {"--benchmark", "--build", "--install", "--prefix", "--preset", "--target", "--workflow", "--cflags", "--libs", "--changed", "--wheel",
+        foreign = {"--benchmark", "--build", "--component", "--install", "--prefix", "--preset", "--target", "--workflow", "--cflags", "--libs", "--changed", "--wheel",
                    "--no-isolation", "--mca", "--system-site-packages", "--no-index", "--no-deps", "--no-build-isolation"}
         code = text_below("apps", "bench") + "".join(path.read_text() for path in (ROOT / "scripts").glob("*")
                                                      if path.is_file())

@@ -284,6 +284,27 @@ TEST(Panels, GoByTheDirectionUpThatIsAskedFor)
     }
 }
 
+TEST_F(PanelsOfFiles, VoronoiPanelSaysThatAModelHasNoEdges)
+{
+    const std::string points = path("points.xyz").string();
+    std::ofstream(points) << "0 0 0\n1 0 0\n0 1 0.5\n";
+    for (const std::vector<std::string>& settings :
+         {std::vector<std::string>{"feature=edge"}, {"feature=edge", "number=0"}}) {
+        Viewer viewer;
+        viewer.resize(shown_size);
+        ASSERT_TRUE(viewer.choose_panel("voronoi"));
+        ASSERT_TRUE(apply_settings(settings, [&](Controls& controls) { viewer.offer(controls); }));
+        viewer.open({points});
+        const Status done = viewer.finish();
+        ASSERT_FALSE(done);
+        EXPECT_NE(done.error().message.find("no features of this kind"), std::string::npos);
+        // Another kind is there.
+        ASSERT_TRUE(apply_settings({"feature=vertex"},
+                                   [&](Controls& controls) { viewer.offer(controls); }));
+        EXPECT_TRUE(viewer.finish());
+    }
+}
+
 TEST(Panels, VoronoiPanelBeginsAtTheFeatureThatIsAskedFor)
 {
     Viewer viewer;

@@ -132,6 +132,12 @@ Vec3 middle_of(const ViewModel& model, const Feature& feature)
     return (triangle[0] + triangle[1] + triangle[2]) / 3.0;
 }
 
+/// \pre there is one
+Feature feature_of(const VoronoiSettings& settings)
+{
+    return {settings.kind, static_cast<std::uint32_t>(settings.number)};
+}
+
 /// A feature, and a point that is nearest to it: within its region.
 struct FeatureWithPoint {
     std::uint32_t id = 0;
@@ -200,9 +206,12 @@ public:
         if (choose(controls, "feature", settings_.kind,
                    std::array<std::string_view, 3>{"vertex", "edge", "face"})) {
             settings_.is_set = false;
-            settings_.number = models_.empty() ? 0 : static_cast<int>(likely_feature().id);
+            settings_.number = models_.empty()
+                                   ? 0
+                                   : std::min(static_cast<int>(likely_feature().id), most_number());
         }
-        if (controls.number("number", settings_.number, 0, most_number())) settings_.is_set = true;
+        if (most_number() >= 0 && controls.number("number", settings_.number, 0, most_number()))
+            settings_.is_set = true;
         controls.toggle("region", settings_.region);
         if (controls.number("length", settings_.length, 0.01, 2.0)) settings_.has_length = true;
         controls.toggle("leaf", settings_.leaf);
@@ -224,8 +233,10 @@ public:
     [[nodiscard]] Box focus(const ViewModels& models) const override
     {
         if (models.empty()) return {};
-        return close_up(*model(), settings_.is_set ? middle_of_feature() : settings_.cursor.at,
-                        0.05);
+        const bool is_chosen = settings_.is_set && settings_.number >= 0;
+        return close_up(
+            *model(), is_chosen ? middle_of(*model(), feature_of(settings_)) : settings_.cursor.at,
+            0.05);
     }
 
     [[nodiscard]] PanelTask task(const ViewModels& models) const override
@@ -234,7 +245,12 @@ public:
                 proximity = proximity_](const Execution& context) -> Result<PanelPicture> {
             const auto with = proximity_of(*proximity, model, context);
             if (!with) return tl::unexpected(with.error());
-            const Feature feature = {settings.kind, static_cast<std::uint32_t>(settings.number)};
+            if (settings.number < 0) {
+                return fail(ErrorCode::invalid_argument,
+                            "the model has no features of this kind: choose another one",
+                            "feature");
+            }
+            const Feature feature = feature_of(settings);
             PanelPicture picture;
             picture.layers = model_layers(models, Smoothing::flat);
             picture.facts.push_back({"feature", words_for(feature)});
@@ -273,27 +289,13 @@ private:
             return;
         }
         const FeatureWithPoint likely = likely_feature();
-        settings_.number = static_cast<int>(likely.id);
+        settings_.number = std::min(static_cast<int>(likely.id), most_number());
         if (likely.above) settings_.cursor.place(*likely.above);
     }
     /// The feature where nobody has chosen one. \pre there are models
     [[nodiscard]] FeatureWithPoint likely_feature() const
     {
         return feature_with_region(*model(), settings_.kind, settings_.cursor.at, to_eye_);
-    }
-    /// \pre there are models
-    [[nodiscard]] Vec3 middle_of_feature() const
-    {
-        const ViewModel& of = *model();
-        const auto number = static_cast<std::uint32_t>(settings_.number);
-        if (settings_.kind == FeatureKind::vertex) return of.mesh.positions()[number];
-        if (settings_.kind == FeatureKind::face) {
-            const Triangle corners = of.mesh.triangle(TriangleId{number});
-            return (corners[0] + corners[1] + corners[2]) / 3.0;
-        }
-        const EdgeVertices& ends = of.topology.vertices(EdgeId{number});
-        const auto positions = of.mesh.positions();
-        return 0.5 * (positions[to_index(ends[0])] + positions[to_index(ends[1])]);
     }
     /// Before there are models any number will do.
     [[nodiscard]] int most_number() const

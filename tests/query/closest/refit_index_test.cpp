@@ -123,6 +123,71 @@ TEST(RefitIndex, AnswersLikeBruteForce)
     }
 }
 
+/// The refitted index with lists answers like that without.
+void expect_same_distances(const MeshIndex& plain, const MeshIndex& listed,
+                           const TriangleMesh& after, const Topology& topology,
+                           std::span<const Vec3> points)
+{
+    const MeshIndex by_tree = refit_index(plain, after, topology).value();
+    const MeshIndex by_lists = refit_index(listed, after, topology).value();
+    for (const Vec3& p : points) {
+        ASSERT_EQ(closest_feature(by_lists, p)->squared_distance,
+                  closest_feature(by_tree, p)->squared_distance)
+            << "at " << p.transpose();
+    }
+}
+
+TEST(RefitIndex, AsksTheTreeInAllCellsThatAMovedTriangleReaches)
+{
+    std::mt19937_64 random(3);
+    for (const char* const name : {"icosphere:1", "icosphere:2"}) {
+        const TriangleMesh mesh = sample_mesh(name).value();
+        const auto topology = build_topology(mesh).value();
+        const MeshIndex plain = build_mesh_index(mesh).value();
+        const MeshIndex listed = with_lists(plain).value();
+        for (const double inward : {0.3, 0.6, 1.0}) {
+            const std::size_t vertex = random() % mesh.vertex_count();
+            const TriangleMesh after = moved(mesh, [&](std::size_t i, const Vec3& p) -> Vec3 {
+                return i == vertex ? Vec3((1 - inward) * p) : p;
+            });
+            std::vector<Vec3> points;
+            for (int i = 0; i < 4000; ++i) points.push_back(random_step(random, 1.2));
+            expect_same_distances(plain, listed, after, topology, points);
+        }
+    }
+}
+
+TEST(RefitIndex, LooksAtAllBlocksOfALongList)
+{
+    // Triangles that share no vertex: none is found by its neighbours.
+    const TriangleMesh joined_mesh = sample_mesh("sphere:20x20").value();
+    std::vector<Vec3> positions;
+    std::vector<TriangleCorners> triangles;
+    for (std::uint32_t i = 0; i < joined_mesh.triangle_count(); ++i) {
+        for (const Vec3& corner : joined_mesh.triangle(TriangleId{i}).vertices)
+            positions.push_back(corner);
+        triangles.push_back({3 * i, 3 * i + 1, 3 * i + 2});
+    }
+    const TriangleMesh mesh = make_triangle_mesh(positions, triangles).value();
+    const auto topology = build_topology(mesh).value();
+    const MeshIndex plain = build_mesh_index(mesh).value();
+    const MeshIndex listed = with_lists(plain).value();
+    std::mt19937_64 random(5);
+    for (int round = 0; round < 25; ++round) {
+        const std::size_t triangle = random() % triangles.size();
+        const Vec3 middle =
+            (positions[3 * triangle] + positions[3 * triangle + 1] + positions[3 * triangle + 2]) /
+            3;
+        const TriangleMesh after = moved(mesh, [&](std::size_t i, const Vec3& p) -> Vec3 {
+            return i / 3 == triangle ? Vec3(p + 0.35 * middle.normalized()) : p;
+        });
+        std::vector<Vec3> points;
+        for (int i = 0; i < 4000; ++i)
+            points.emplace_back(0.2 * middle + random_step(random, 0.25));
+        expect_same_distances(plain, listed, after, topology, points);
+    }
+}
+
 TEST(RefitIndex, KeepsListsAwayFromMovedTriangles)
 {
     const TriangleMesh mesh = sample_mesh("sphere:60x60").value();

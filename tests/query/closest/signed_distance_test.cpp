@@ -442,6 +442,57 @@ TEST(SignedDistance, IsZeroOnTheSurfaceAndInfiniteWhereSquaresOverflow)
     EXPECT_NEAR(of.at(Vec3(0.25, 0.5, 0)).distance, -0.5, 1e-15);
 }
 
+TEST(SignedDistance, IsNotZeroBesideVertices)
+{
+    const Signed of(cube_mesh(Vec3::Zero(), 1.0));
+    for (const Vec3& vertex : of.mesh.positions()) {
+        for (int axis = 0; axis < 3; ++axis) {
+            Vec3 p = vertex;
+            p[axis] *= 1 + std::numeric_limits<double>::epsilon();
+            EXPECT_GT(of.at(p).distance, 0) << p.transpose();
+        }
+    }
+}
+
+TEST(SignedDistance, IsZeroOnEdgesWhoseClosestPointIsRounded)
+{
+    const Signed of(
+        mesh_of({Vec3(-116910409, -34924767, -127110825), Vec3(646819913, -553990599, 513393795),
+                 Vec3(362551016, 519498126, -746020614), Vec3(-290204827, 171282399, -138348042)},
+                {{0, 2, 1}, {0, 1, 3}, {0, 3, 2}, {1, 2, 3}}));
+    const Vec3 p(137666365, -207946711, 86390715);
+    EXPECT_GT(closest_feature(of.index, p)->squared_distance, 0);
+    EXPECT_EQ(of.at(p).distance, 0);
+    EXPECT_EQ(of.at(p).method, SignMethod::on_surface);
+}
+
+TEST(SignedDistance, DoesNotJoinSurfacesAcrossAnEdgeOfFour)
+{
+    // Two boxes with one edge in common, the second turned inside out.
+    const auto box = [](const Vec3& lower, const Vec3& upper) {
+        const TriangleMesh unit = cube_mesh(Vec3::Zero(), 1.0);
+        std::vector<Vec3> positions;
+        for (const Vec3& p : unit.positions()) {
+            positions.emplace_back(0.5 * (lower + upper) + 0.5 * (upper - lower).cwiseProduct(p));
+        }
+        const auto triangles = unit.triangles();
+        return mesh_of(positions, {triangles.begin(), triangles.end()});
+    };
+    const TriangleMesh two =
+        joined(box(Vec3(-1, -1, -1), Vec3(1, 1, 1)), box(Vec3(1, 1, -1), Vec3(1.5, 1.5, 1)));
+    std::vector<TriangleCorners> triangles(two.triangles().begin(), two.triangles().end());
+    for (std::size_t i = 0; i < triangles.size(); ++i) {
+        for (std::uint32_t& corner : triangles[i]) {
+            for (std::uint32_t first = 0; first < 8; ++first)
+                if (two.positions()[first] == two.positions()[corner]) corner = first;
+        }
+        if (i >= 12) std::swap(triangles[i][1], triangles[i][2]);
+    }
+    const Signed of(mesh_of({two.positions().begin(), two.positions().end()}, triangles));
+    EXPECT_NEAR(of.at(Vec3(1.25, 0.9, 0)).distance, 0.1, 1e-12);
+    EXPECT_NEAR(of.at(Vec3(0.9, 1.25, 0)).distance, 0.1, 1e-12);
+}
+
 TEST(SignedDistance, HasTheSameAnswersOnAnyThreadAndDoesNotAllocate)
 {
     const TriangleMesh mesh =
