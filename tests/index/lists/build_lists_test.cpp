@@ -202,8 +202,8 @@ TEST(Lists, TopmostCellsAreNotSplitWhereNearlyAllOfThemKeepNearlyAll)
     const Grown grown(cube_with_points_at_its_middle(300));
     std::size_t open = 0;
     for (const OpenCell& cell : grown.top().open) open += cell.features.size();
-    // Split to the fourth level, they list the features more than a thousand times.
-    EXPECT_LT(open, 300 * grown.features.features.size());
+    // Split to the fourth level, they list the features 204 times.
+    EXPECT_LT(open, 200 * grown.features.features.size());
 }
 
 TEST(Lists, GrowWithinLimits)
