@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Prints medians of a Google Benchmark report, wall and processor time, and within each group "name/" the
-ratio to `fast`, or to the row registered first where there is none. Exit status 1 where a benchmark failed. Rows with "threads" in their name compare wall time
-with wall time, the others processor time with processor time.
+ratio to `fast`, or to the row registered first where there is none. Rows with "threads" in their name compare wall time
+with wall time, the others processor time with processor time. Exit status 1 where a benchmark failed.
 
     bench/summary.py REPORT.json
 """

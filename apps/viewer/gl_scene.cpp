@@ -286,7 +286,7 @@ void GlPainter::draw(std::span<const GlLayer> layers, const Backdrop& backdrop,
     }
     for (const GlLayer& layer : layers) {
         for (const GlScene::Lines& lines : layer.scene->lines_) {
-            // What is behind a line that lets light through is drawn, too.
+            // Translucent lines write no depth, so that glass behind them is still drawn.
             glDepthMask(layer.opacity * lines.opacity < 1.0F ? GL_FALSE : GL_TRUE);
             frame.draw(layer, lines);
         }

@@ -58,7 +58,7 @@ struct OpenCell {
     CellDensity density;
     std::vector<std::uint32_t> features;
     std::uint32_t position = 0;   ///< in the tree that it belongs to
-    std::uint8_t idle_splits = 0; ///< of the cells above it, one after the other: is_idle_split
+    std::uint8_t idle_splits = 0; ///< that it comes from, in a row: count_idle_splits
 };
 
 /// All cells: `top` down to a few levels; leaves of it may be the roots of trees of `below`.
@@ -81,10 +81,10 @@ struct GrowOptions {
     CostModel cost = {};            ///< cells that cannot pay at this price are not split
     int max_depth = max_list_depth; ///< of any cell
     std::size_t max_triangles = list_triangles; ///< lists this short are not split
-    double most_work = std::numeric_limits<
-        double>::infinity(); ///< features that are looked at below a cell, per feature of its own
-    std::uint64_t most_list_bytes = std::uint64_t{1}
-                                    << 31U; ///< trees with so many are not split further
+    /// Features that are looked at below a cell, per feature of its own; at least 2^18 of them.
+    double most_work = std::numeric_limits<double>::infinity();
+    /// A tree with more bytes of lists is not split further: places in it are 32 bits.
+    std::uint64_t most_list_bytes = std::uint64_t{1} << 31U;
     Execution execution = {};
 };
 
