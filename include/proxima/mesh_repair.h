@@ -34,7 +34,7 @@ enum class RepairStepKind : std::uint8_t {
     weld_vertices,         ///< vertices joined to another one at their position or near it
     drop_degenerate,       ///< triangles that name a vertex twice
     drop_zero_area,        ///< triangles of three vertices that lie exactly on one line
-    drop_duplicates,       ///< triangles of the three vertices of an earlier one, in any order
+    drop_duplicates,       ///< all but one, or one of each side, of triangles of the same vertices
     drop_small_components, ///< components smaller than asked for
     orient_pieces,         ///< triangles turned over to run as their neighbours do
     turn_outward,          ///< closed pieces turned over as a whole
@@ -63,7 +63,11 @@ struct MeshRepairOptions {
     bool drop_degenerate = true;
     /// Off, as a closed mesh without such a triangle has a slit.
     bool drop_zero_area = false;
-    bool drop_duplicates = true; ///< the triangle of the lowest id stays
+    /// Of triangles of the same three vertices the first stays of those that face the way of most.
+    /// Where as many face one way as the other, the first of each way stays if the set is a wall
+    /// between solids or a fold: if it meets the rest of the surface, and one triangle alone would
+    /// not leave fewer edges open there. Else the first of all stays.
+    bool drop_duplicates = true;
 
     /// Components of less than this fraction of the largest one's area are dropped, 0 to 1.
     double min_component_area = 0.0;

@@ -7,6 +7,7 @@
 #include "geometry/exact_predicates.h"
 #include "geometry/length.h"
 #include "mesh/coincidence.h"
+#include "mesh/duplicate_triangles.h"
 #include "mesh/mesh_report_texts.h"
 #include "mesh/surface_parts.h"
 #include "proxima/topology.h"
@@ -14,6 +15,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdlib>
 
 namespace proxima {
 
@@ -22,6 +24,7 @@ namespace {
 using detail::boundary_loops;
 using detail::edge_uses;
 using detail::EdgeUse;
+using detail::face_the_same_way;
 using detail::fan_counts;
 using detail::first_at_position;
 using detail::first_coincident;
@@ -85,7 +88,7 @@ public:
         if (const Status welded = examine_welded(); !welded) return tl::unexpected(welded.error());
         std::sort(report_.findings.begin(), report_.findings.end(),
                   [](const MeshFinding& a, const MeshFinding& b) { return a.kind < b.kind; });
-        report_.outlook = detail::outlook_of(report_);
+        report_.outlook = detail::outlook_of(report_, counts_twice_);
         return std::move(report_);
     }
 
@@ -93,7 +96,7 @@ private:
     [[nodiscard]] Status check_bytes() const
     {
         constexpr std::uint64_t per_item = 5 * sizeof(std::uint32_t); // of first_equal_items
-        constexpr std::uint64_t per_triangle = per_item + 5 * sizeof(std::uint32_t) + 1;
+        constexpr std::uint64_t per_triangle = per_item + 6 * sizeof(std::uint32_t) + 1;
         constexpr std::uint64_t per_edge = sizeof(EdgeUse);
         return check_budget(options_.execution.budget,
                             topology_.bytes() + per_edge * topology_.edge_count() +
@@ -203,15 +206,30 @@ private:
         const std::vector<std::uint32_t> same_positions = first_coincident(mesh_, same_position_);
         Tally duplicate(options_.max_ids);
         Tally coincident(options_.max_ids);
+        // At the first triangle of each place, how many face as it does, less the others.
+        std::vector<std::int32_t> surplus(mesh_.triangle_count(), 0);
         for (std::uint32_t id = 0; id < mesh_.triangle_count(); ++id) {
             if (same_ids[id] != id) {
                 duplicate.add(id);
             } else if (same_positions[id] != id) {
                 coincident.add(id);
             }
+            const std::uint32_t first =
+                same_positions[id] != id ? same_positions[id] : same_ids[id];
+            const TriangleCorners corners = welded_corners(id);
+            if (!is_proper(corners)) continue;
+            surplus[first] += face_the_same_way(welded_corners(first), corners) ? 1 : -1;
         }
+        counts_twice_ = std::any_of(surplus.begin(), surplus.end(),
+                                    [](std::int32_t each) { return std::abs(each) > 1; });
         report_elements(FindingKind::duplicate_triangles, ElementKind::triangle, duplicate);
         report_elements(FindingKind::coincident_triangles, ElementKind::triangle, coincident);
+    }
+
+    [[nodiscard]] TriangleCorners welded_corners(std::uint32_t id) const noexcept
+    {
+        const auto [a, b, c] = mesh_.triangles()[id];
+        return {same_position_[a], same_position_[b], same_position_[c]};
     }
 
     void examine_edges()
@@ -290,10 +308,10 @@ private:
             FindingKind::inward_components, ElementKind::component, inward,
             cavities ? Severity::note : Severity::warning,
             cavities ? "these closed parts face inwards: right for cavities inside of another "
-                       "part, else they are inside out and signs and inner cells are wrong there"
+                       "part, else they are inside out and nothing counts as inside of them"
                      : "these closed parts are inside out: octree, closest features, rays and "
-                       "intersection do not mind, but signs and inner and outer cells are the "
-                       "wrong way round; turn their triangles");
+                       "intersection do not mind, but signed distances are positive within them "
+                       "as well, and no cell is an inner one; turn their triangles");
 
         report_.euler_characteristic = proper_vertices_ - proper_edges_ + proper_triangles_;
         const bool manifold = report_.find(FindingKind::non_manifold_edges) == nullptr &&
@@ -358,6 +376,7 @@ private:
     const MeshReportOptions& options_;
     MeshReport report_;
     std::vector<std::uint32_t> same_position_; ///< the first vertex at the position of each
+    bool counts_twice_ = false; ///< triangles of one place do not cancel out in winding numbers
     std::vector<EdgeUse> uses_;
     std::uint64_t open_edges_ = 0;
     std::int64_t proper_edges_ = 0;

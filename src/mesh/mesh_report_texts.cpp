@@ -36,12 +36,14 @@ constexpr std::array<Words, 15> finding_words = {{
      "keep it as a segment, rays pass through it, its face takes no part in signs"},
     {"duplicate_triangles", Severity::warning,
      "these triangles have the vertices of an earlier one: octree lists and intersection pairs "
-     "hold both, rays and closest features name the lower id, and winding numbers count both, "
-     "which spoils signs and inner and outer cells there"},
+     "hold both, and rays and closest features name the lower id; those that face each other "
+     "cancel "
+     "out in winding numbers, those that face one way spoil signs and inner and outer cells there"},
     {"coincident_triangles", Severity::warning,
      "these triangles lie exactly on an earlier one with vertices of their own: octree lists and "
-     "intersection pairs hold both, rays and closest features name the lower id, and winding "
-     "numbers count both, which spoils signs and inner and outer cells there"},
+     "intersection pairs hold both, and rays and closest features name the lower id; those that "
+     "face each other cancel out in winding numbers, those that face one way spoil signs and inner "
+     "and outer cells there"},
     {"boundary_edges", Severity::warning,
      "the surface has holes or an open border: octree, closest features, rays and intersection "
      "are as good as ever, but inside and outside rest on winding numbers, which blur near a hole, "
@@ -138,7 +140,7 @@ std::string detail::usual_meaning(FindingKind kind)
     return std::string(words(kind).meaning);
 }
 
-std::vector<QueryOutlook> detail::outlook_of(const MeshReport& report)
+std::vector<QueryOutlook> detail::outlook_of(const MeshReport& report, bool counts_twice)
 {
     using enum FindingKind;
     using enum QueryKind;
@@ -157,8 +159,7 @@ std::vector<QueryOutlook> detail::outlook_of(const MeshReport& report)
     }
     constexpr std::string_view rescale = "scale the mesh towards size 1 first";
     const bool ill_scaled = any(report, {extreme_scale});
-    const bool doubled = any(report, {duplicate_triangles, coincident_triangles});
-    const bool sided = report.closed && report.consistently_oriented && !doubled &&
+    const bool sided = report.closed && report.consistently_oriented && !counts_twice &&
                        report.orientation != Orientation::inward;
     const bool branching = any(report, {non_manifold_edges, non_manifold_vertices});
 
@@ -174,7 +175,7 @@ std::vector<QueryOutlook> detail::outlook_of(const MeshReport& report)
             report.orientation == Orientation::inward && report.closed
                 ? "inside out: turn all triangles"
             : !report.closed ? "open: winding numbers decide, they blur near holes"
-            : doubled        ? "doubled triangles count twice in winding numbers"
+            : counts_twice   ? "doubled triangles count twice in winding numbers"
                              : "triangles face both ways: orient them the same way";
         all.push_back(expect(cell_classes, with_care, reason));
         all.push_back(expect(sign, with_care, reason));

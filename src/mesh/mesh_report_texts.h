@@ -17,7 +17,8 @@ inline constexpr double largest_safe_coordinate = 1e100; // beyond it octrees ar
 /// The largest magnitude of a coordinate.
 [[nodiscard]] double reach_of(const Box& box) noexcept;
 
-/// What each query can do, from the findings and properties already in the report.
-[[nodiscard]] std::vector<QueryOutlook> outlook_of(const MeshReport& report);
+/// What each query can do, from the findings and properties already in the report. `counts_twice`:
+/// winding numbers count the triangles of some place more than once, whatever faces them.
+[[nodiscard]] std::vector<QueryOutlook> outlook_of(const MeshReport& report, bool counts_twice);
 
 } // namespace proxima::detail

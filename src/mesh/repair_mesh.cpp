@@ -5,6 +5,7 @@
 #include "geometry/exact_predicates.h"
 #include "geometry/length.h"
 #include "mesh/coincidence.h"
+#include "mesh/duplicate_triangles.h"
 #include "mesh/equal_items.h"
 #include "mesh/near_vertices.h"
 #include "mesh/nesting.h"
@@ -58,7 +59,6 @@ public:
         goes_on_ = goes_on_ && steps_.done(1);
         return goes_on_;
     }
-    [[nodiscard]] bool was_stopped() const noexcept { return !goes_on_; }
 
 private:
     StageSteps steps_;
@@ -260,10 +260,11 @@ private:
             [&](std::uint32_t a, std::uint32_t b) {
                 return sorted_corners(triangles_[a]) == sorted_corners(triangles_[b]);
             });
-        if (watch.was_stopped()) return cancelled(work_name);
-        std::vector<std::uint8_t> wrong(count, 0);
-        for (std::uint32_t i = 0; i < count; ++i) wrong[i] = first[i] != i ? 1 : 0;
-        count_of(RepairStepKind::drop_duplicates) = drop(wrong);
+        if (is_cancelled(progress_)) return cancelled(work_name);
+        const auto wrong =
+            detail::redundant_triangles(mesh_.positions(), triangles_, first, options_.execution);
+        if (!wrong) return tl::unexpected(wrong.error());
+        count_of(RepairStepKind::drop_duplicates) = drop(*wrong);
         return {};
     }
 

@@ -112,6 +112,76 @@ TEST(MeshRepair, KeepsUnusedVerticesThatWereNotWelded)
               repair.original_vertices.end());
 }
 
+/// Some of the tetrahedra of a lattice, each with all its faces, outward: walls between them are double.
+TriangleMesh random_tetrahedra(std::mt19937& random)
+{
+    constexpr std::uint32_t side = 4;
+    Draft draft;
+    for (std::uint32_t i = 0; i < side * side * side; ++i)
+        draft.positions.emplace_back(i % side, i / side % side, i / side / side);
+    for (std::uint32_t cell = 0; cell < 27; ++cell) {
+        std::array<std::uint32_t, 3> axes = {0, 1, 2};
+        do { // one tetrahedron for each way along three edges from corner to corner of the cell
+            if (random() % 3 == 0) continue;
+            std::array<std::uint32_t, 4> at = {cell % 3 +
+                                               side * (cell / 3 % 3 + side * (cell / 9))};
+            constexpr std::array<std::uint32_t, 3> steps = {1, side, side * side};
+            for (std::size_t k = 0; k < 3; ++k) at.at(k + 1) = at.at(k) + steps.at(axes.at(k));
+            const auto from = [&](std::size_t k) -> Vec3 {
+                return draft.positions[at.at(k)] - draft.positions[at[0]];
+            };
+            if (from(1).cross(from(2)).dot(from(3)) < 0) std::swap(at[2], at[3]);
+            draft.triangles.insert(draft.triangles.end(), {{at[0], at[2], at[1]},
+                                                           {at[0], at[1], at[3]},
+                                                           {at[1], at[2], at[3]},
+                                                           {at[0], at[3], at[2]}});
+        } while (std::ranges::next_permutation(axes).found);
+    }
+    std::ranges::shuffle(draft.triangles, random);
+    return draft.mesh();
+}
+
+TEST(MeshRepair, KeepsWallsBetweenSolids)
+{
+    std::uint64_t walls = 0;
+    for (std::uint32_t seed = 0; seed < 60; ++seed) {
+        SCOPED_TRACE(seed);
+        std::mt19937 random(seed);
+        const TriangleMesh mesh = random_tetrahedra(random);
+        const MeshReport before = report(mesh);
+        ASSERT_TRUE(before.closed && before.consistently_oriented);
+        walls += before.find(FindingKind::duplicate_triangles)->count;
+        const MeshRepair repair = repaired(mesh);
+        EXPECT_TRUE(same_mesh(repair.mesh, repaired(mesh, {.drop_duplicates = false}).mesh));
+        const MeshReport after = report(repair.mesh);
+        EXPECT_TRUE(after.closed && after.consistently_oriented);
+        EXPECT_NEAR(after.signed_volume.value_or(0), *before.signed_volume, 1e-12);
+    }
+    EXPECT_GT(walls, 1000U);
+}
+
+TEST(MeshRepair, KeepsOneOfTwoSidesThatAreAllThereIs)
+{
+    // A closed shell and a sheet with both sides, and a shell of which one triangle is there a
+    // second time, facing inward: each becomes simple.
+    const TriangleMesh cube = make_cube();
+    const Draft shell = cube_draft().add(inside_out(cube));
+    Draft sheet;
+    sheet.positions = shell.positions;
+    for (std::size_t i = 0; i < 4; ++i) sheet.triangles.push_back(cube.triangles()[i]);
+    for (std::size_t i = 0; i < 4; ++i) sheet.triangles.push_back(shell.triangles[12 + i]);
+    Draft once = cube_draft();
+    once.triangles.insert(once.triangles.begin(), inside_out(cube).triangles()[5]);
+    for (const Draft& draft : {shell, sheet, once}) {
+        const MeshRepair repair = repaired(draft.mesh());
+        const std::size_t expected = draft.triangles.size() == 8 ? 4 : 12;
+        EXPECT_EQ(count(repair, Kind::drop_duplicates), draft.triangles.size() - expected);
+        EXPECT_EQ(repair.mesh.triangle_count(), expected);
+        EXPECT_EQ(report(repair.mesh).closed, expected == 12);
+        EXPECT_TRUE(report(repair.mesh).consistently_oriented);
+    }
+}
+
 TEST(MeshRepair, KeepsTheWayOfMostTrianglesOfAnOpenPiece)
 {
     for (std::uint32_t seed = 0; seed < 50; ++seed) {

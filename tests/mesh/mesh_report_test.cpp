@@ -353,7 +353,7 @@ TEST(MeshReport, FindsDuplicateAndCoincidentTriangles)
     duplicate.triangles.push_back({2, 0, 3}); // and the other way round
     const MeshReport found = report(duplicate);
     EXPECT_EQ(found.find(FindingKind::duplicate_triangles)->first_ids, (Ids{12, 13}));
-    EXPECT_EQ(outlook(found, QueryKind::cell_classes), Outlook::with_care);
+    EXPECT_EQ(outlook(found, QueryKind::cell_classes), Outlook::works); // they cancel out
     EXPECT_EQ(found.find(FindingKind::coincident_triangles), nullptr);
     EXPECT_EQ(found.find(FindingKind::non_manifold_edges)->count, 3U);
 
@@ -363,6 +363,36 @@ TEST(MeshReport, FindsDuplicateAndCoincidentTriangles)
     EXPECT_EQ(twice.find(FindingKind::coincident_triangles)->count, 12U);
     EXPECT_EQ(twice.find(FindingKind::coincident_triangles)->first_ids, (Ids{12, 13, 14, 15, 16}));
     EXPECT_EQ(outlook(twice, QueryKind::sign), Outlook::with_care);
+    EXPECT_EQ(outlook(twice, QueryKind::cell_classes), Outlook::with_care);
+
+    Draft same_ids = cube_draft();
+    for (std::size_t i = 0; i < 12; ++i) same_ids.triangles.push_back(same_ids.triangles[i]);
+    EXPECT_EQ(outlook(report(same_ids), QueryKind::cell_classes), Outlook::with_care);
+    // Two tetrahedra with a wall between them, of vertices of their own and in common.
+    Draft beside;
+    beside.positions = {Vec3(0, 0, 1),  Vec3(0, 0, 0), Vec3(1, 0, 0), Vec3(0, 1, 0),
+                        Vec3(0, 0, -1), Vec3(0, 0, 0), Vec3(1, 0, 0), Vec3(0, 1, 0)};
+    beside.triangles = {{0, 1, 2}, {0, 2, 3}, {0, 3, 1}, {1, 3, 2},
+                        {4, 6, 5}, {4, 7, 6}, {4, 5, 7}, {5, 6, 7}};
+    for (const TriangleMesh& mesh : {*weld_vertices(beside.mesh()), beside.mesh()}) {
+        const MeshReport wall = report(mesh);
+        EXPECT_TRUE(wall.closed && wall.consistently_oriented);
+        EXPECT_EQ(outlook(wall, QueryKind::cell_classes), Outlook::works);
+    }
+
+    // Within a solid a part that faces outward once and inward three times.
+    Draft within = cube_draft();
+    for (int i = 0; i < 4; ++i) within.add(make_cube(), Vec3::Zero(), 0.1);
+    for (std::size_t i = 24; i < 60; ++i) std::swap(within.triangles[i][1], within.triangles[i][2]);
+    const MeshReport inward = report(*weld_vertices(within.mesh()));
+    EXPECT_TRUE(inward.closed && inward.consistently_oriented);
+    EXPECT_EQ(outlook(inward, QueryKind::cell_classes), Outlook::with_care);
+
+    Draft no_area = cube_draft();
+    no_area.positions.push_back(no_area.positions[0]);
+    no_area.triangles.push_back({0, 8, 1});
+    no_area.triangles.push_back({1, 8, 0});
+    EXPECT_EQ(outlook(report(no_area), QueryKind::cell_classes), Outlook::works);
 }
 
 TEST(MeshReport, ListsAsManyElementsAsRequested)

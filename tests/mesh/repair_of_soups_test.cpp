@@ -23,6 +23,7 @@ struct SlowRepair {
     std::vector<TriangleId> triangles;
     std::vector<TriangleCorners> corners;
     std::set<std::pair<std::uint32_t, std::uint32_t>> welded;
+    std::uint64_t two_sided = 0; ///< sets of equal triangles of which one of each way stays
 };
 
 bool on_one_line(const TriangleMesh& mesh, const TriangleCorners& corners)
@@ -32,6 +33,111 @@ bool on_one_line(const TriangleMesh& mesh, const TriangleCorners& corners)
     const Vec3 u = mesh.positions()[corners[1]] - a;
     const Vec3 v = mesh.positions()[corners[2]] - a;
     return u.cross(v).isZero(0);
+}
+
+using Ends = std::pair<std::uint32_t, std::uint32_t>;
+using Names = std::set<std::uint32_t>;
+
+Names names_of(const TriangleCorners& corners)
+{
+    return {corners.begin(), corners.end()};
+}
+
+std::set<Ends> edges_of(const Names& names)
+{
+    std::set<Ends> edges;
+    for (const std::uint32_t a : names) {
+        for (const std::uint32_t b : names)
+            if (a < b) edges.insert({a, b});
+    }
+    return edges;
+}
+
+/// How many edges of `walls` that another triangle has as well would be open, if so many of each wall stay.
+std::uint64_t open_borders(const std::set<Names>& walls, std::uint64_t sides,
+                           const std::set<Names>& others)
+{
+    std::set<Ends> edges;
+    for (const Names& wall : walls) edges.merge(edges_of(wall));
+    return static_cast<std::uint64_t>(std::ranges::count_if(edges, [&](const Ends& edge) {
+        const auto has_edge = [&](const Names& names) { return edges_of(names).contains(edge); };
+        const auto by_others = std::ranges::count_if(others, has_edge);
+        const auto by_walls = std::ranges::count_if(walls, has_edge);
+        return by_others > 0 && (static_cast<std::uint64_t>(by_others) +
+                                 sides * static_cast<std::uint64_t>(by_walls)) %
+                                        2 !=
+                                    0;
+    }));
+}
+
+bool meet(const std::set<Names>& some, const std::set<Names>& others)
+{
+    return std::ranges::any_of(some, [&](const Names& one) {
+        return std::ranges::any_of(others, [&](const Names& other) {
+            const std::set<Ends> edges = edges_of(other);
+            return std::ranges::any_of(edges_of(one),
+                                       [&](const Ends& edge) { return edges.contains(edge); });
+        });
+    });
+}
+
+/// Those of `walls` that hang together with `wall` across edges, taken out of `walls`.
+std::set<Names> take_connected(std::set<Names>& walls, const Names& wall)
+{
+    std::set<Names> connected = {wall};
+    walls.erase(wall);
+    for (bool grows = true; grows;) {
+        grows = false;
+        for (const Names& other : std::set<Names>(walls)) {
+            if (!meet({other}, connected)) continue;
+            connected.insert(other);
+            walls.erase(other);
+            grows = true;
+        }
+    }
+    return connected;
+}
+
+/// Keeps one of each way, or one.
+void drop_duplicates(SlowRepair& slow)
+{
+    std::map<Names, std::array<std::vector<std::size_t>, 2>> sets; // by the way they face
+    for (std::size_t i = 0; i < slow.corners.size(); ++i) {
+        TriangleCorners corners = slow.corners[i];
+        const Names names = names_of(corners);
+        if (names.size() < 3) continue;
+        std::ranges::rotate(corners, std::ranges::min_element(corners));
+        sets[names].at(corners[1] < corners[2] ? 0 : 1).push_back(i);
+    }
+    std::set<Names> walls;
+    std::set<Names> others;
+    for (const auto& [names, ways] : sets)
+        (ways[0].size() == ways[1].size() ? walls : others).insert(names);
+    std::set<Names> two_sided;
+    while (!walls.empty()) {
+        const std::set<Names> wall = take_connected(walls, *walls.begin());
+        const bool keep =
+            meet(wall, others) && open_borders(wall, 2, others) <= open_borders(wall, 1, others);
+        if (keep) two_sided.insert(wall.begin(), wall.end());
+    }
+    std::set<std::size_t> dropped;
+    for (const auto& [names, ways] : sets) {
+        std::set<std::size_t> all(ways[0].begin(), ways[0].end());
+        all.insert(ways[1].begin(), ways[1].end());
+        if (two_sided.contains(names)) {
+            for (const auto& way : ways) all.erase(way[0]);
+            ++slow.two_sided;
+        } else if (ways[0].size() == ways[1].size()) {
+            all.erase(*all.begin());
+        } else {
+            all.erase(ways.at(ways[0].size() > ways[1].size() ? 0 : 1)[0]);
+        }
+        dropped.merge(all);
+    }
+    for (auto place = dropped.rbegin(); place != dropped.rend(); ++place) {
+        slow.triangles.erase(slow.triangles.begin() + static_cast<std::ptrdiff_t>(*place));
+        slow.corners.erase(slow.corners.begin() + static_cast<std::ptrdiff_t>(*place));
+    }
 }
 
 SlowRepair slowly_repaired(const TriangleMesh& mesh, const MeshRepairOptions& options)
@@ -54,15 +160,11 @@ SlowRepair slowly_repaired(const TriangleMesh& mesh, const MeshRepairOptions& op
             if (options.drop_degenerate) continue;
         } else {
             if (options.drop_zero_area && on_one_line(mesh, corners)) continue;
-            const bool repeats =
-                std::ranges::any_of(slow.corners, [&](const TriangleCorners& other) {
-                    return std::set<std::uint32_t>(other.begin(), other.end()) == own;
-                });
-            if (options.drop_duplicates && repeats) continue;
         }
         slow.triangles.push_back(TriangleId{id});
         slow.corners.push_back(corners);
     }
+    if (options.drop_duplicates) drop_duplicates(slow);
     return slow;
 }
 
@@ -81,7 +183,6 @@ struct Seam {
 
 std::vector<Seam> seams_of(std::span<const TriangleCorners> triangles)
 {
-    using Ends = std::pair<std::uint32_t, std::uint32_t>;
     std::map<Ends, std::vector<std::pair<std::size_t, bool>>> edges;
     for (std::size_t i = 0; i < triangles.size(); ++i) {
         const TriangleCorners& corners = triangles[i];
@@ -161,6 +262,7 @@ TriangleMesh nearly_a_strip(std::uint32_t seed)
 TEST(MeshRepair, AgreesWithComparingEverythingOnSoups)
 {
     std::uint64_t unorientable = 0;
+    std::uint64_t two_sided = 0;
     for (std::uint32_t seed = 0; seed < 4000; ++seed) {
         SCOPED_TRACE(seed);
         const TriangleMesh mesh = seed % 2 == 0 ? random_soup(seed) : nearly_a_strip(seed);
@@ -197,9 +299,11 @@ TEST(MeshRepair, AgreesWithComparingEverythingOnSoups)
             EXPECT_EQ(repair.unorientable_edges, unmatched_seams(repair.mesh.triangles()));
             unorientable += repair.unorientable_pieces;
         }
+        two_sided += slow.two_sided;
         expect_idempotent(repair, options);
     }
     EXPECT_GT(unorientable, 200U);
+    EXPECT_GT(two_sided, 100U);
 }
 
 } // namespace
