@@ -1,5 +1,7 @@
 #include "lab/query_sets.h"
 
+#include "geometry/length.h"
+
 #include <algorithm>
 #include <cmath>
 #include <random>
@@ -116,7 +118,7 @@ private:
 std::array<QuerySet, 3> query_sets(const TriangleMesh& mesh, std::size_t count, std::uint64_t seed)
 {
     const Box box = bounding_box(mesh);
-    const double diagonal = box.extent().norm();
+    const double diagonal = length_of(box.extent());
     const SurfacePoints surface(mesh);
     std::array<QuerySet, 3> sets = {{{"a", {}}, {"b", {}}, {"c", {}}}};
     for (QuerySet& set : sets) set.points.reserve(count);

@@ -379,6 +379,11 @@ class SavedOctrees(ProgramTest):
         data = octree.read_bytes()
         damaged = self.file("damaged.pxi", data[:5000] + bytes([data[5000] ^ 4]) + data[5001:])
         self.refuse("check", damaged, says="damaged.pxi")
+        for size in ("1e160", "1e-160"):  # whose squares no double holds
+            corners = f"0 0 0\n{size} 0 0\n0 {size} 0\n0 0 {size}"
+            model = self.file("sized.off", f"OFF\n4 4 0\n{corners}\n3 0 2 1\n3 0 1 3\n3 0 3 2\n3 1 2 3\n")
+            self.succeed("index", model, "--save", plain)
+            self.assertIn("answers at 3000 points are those of all", self.succeed("check", plain))
 
     def test_what_cannot_be(self):
         octree = self.saved(bumpy_ball(random.Random(10)))[1]

@@ -6,6 +6,7 @@
 #include "lab/query_sets.h"
 
 #include <bit>
+#include <cmath>
 
 namespace proxima::check_answers_test {
 namespace {
@@ -41,6 +42,35 @@ TEST(CheckAnswers, FindsALeafThatOmitsATriangle)
     EXPECT_NE(found.find("the index answers"), std::string::npos) << found;
     EXPECT_NE(found.find("the closest is"), std::string::npos) << found;
     EXPECT_EQ(message(broken, 3), found);
+}
+
+TEST(CheckAnswers, KnowsRoundingFromWrongAnswers)
+{
+    const TriangleMesh mesh = sample_mesh("icosphere:2").value();
+    const Topology topology = build_topology(mesh).value();
+    const MeshIndex index = testing::listed_index(mesh).value();
+    const auto is_sound = [&](double grown, double distance, double scale) {
+        const auto resized = [](double size) {
+            return [=](const Vec3& p) -> Vec3 { return size * p; };
+        };
+        const MeshIndex own = build_mesh_index(testing::moved(mesh, resized(scale))).value();
+        const TriangleMesh other = testing::moved(mesh, resized(scale * grown));
+        std::vector<Vec3> points;
+        for (int i = 0; i < 100; ++i)
+            points.push_back(scale * distance * Vec3(std::sin(i), std::cos(i), std::sin(3 * i)));
+        const Status status = check_answers(own, other, topology, points, {});
+        return status.has_value();
+    };
+    for (const double distance : {0.5, 2.0, 1e7}) {
+        EXPECT_TRUE(is_sound(1, distance, 1)) << distance;
+        EXPECT_TRUE(is_sound(1, distance, 1e160)) << distance; // squared distances are infinite
+        EXPECT_TRUE(is_sound(1 + 1e-14, distance, 1)) << distance;
+    }
+    EXPECT_TRUE(is_sound(1 + 1e-8, 1e7, 1)); // below the digits of such distances
+    EXPECT_FALSE(is_sound(1 + 1e-9, 0.5, 1));
+    EXPECT_FALSE(is_sound(1 + 1e-9, 2, 1));
+    EXPECT_FALSE(is_sound(1 + 1e-9, 2, 1e-6));
+    EXPECT_FALSE(is_sound(1 + 1e-9, 2, 1e6));
 }
 
 TEST(CheckAnswers, CanBeCancelled)

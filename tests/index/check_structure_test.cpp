@@ -244,5 +244,18 @@ TEST_F(CheckStructure, NamesADamagedLeaf)
          {"extent", [](EditableIndex& e) { first_leaf_of(e).extent_bits = 0x7FFF; }}});
 }
 
+TEST_F(CheckStructure, NamesLeavesThatAreNotAsExactAsSaid)
+{
+    EXPECT_TRUE(sound_index.parts().has_exact_leaves());
+    // Of coordinates that no float holds.
+    const TriangleMesh mesh = sample_mesh("torus:24x36").value();
+    EditableIndex rounded(
+        with_signs(with_slabs(testing::listed_index(mesh).value()).value()).value());
+    EXPECT_FALSE(rounded.has_exact_leaves);
+    EXPECT_EQ(rounded.fault(), "");
+    rounded.has_exact_leaves = true;
+    EXPECT_NE(rounded.fault().find("not its row"), std::string::npos) << rounded.fault();
+}
+
 } // namespace
 } // namespace proxima::check_structure_test

@@ -4,6 +4,7 @@
 #include "index/check_structure.h"
 #include "index/index_parts.h"
 #include "index/listed_index.h"
+#include "index/lists/block.h"
 #include "index/lists/proximity_lists.h"
 #include "index/signs/sign_parts.h"
 #include "index/slabs/block_slab.h"
@@ -12,9 +13,11 @@
 #include "proxima/sample_meshes.h"
 
 #include <algorithm>
+#include <cstring>
 #include <functional>
 #include <gtest/gtest.h>
 #include <limits>
+#include <map>
 #include <memory>
 #include <string>
 #include <vector>
@@ -38,6 +41,7 @@ struct EditableIndex {
     std::uint32_t root = index.parts().root();
     Vec3 center = index.parts().center();
     double scale = index.parts().scale();
+    bool has_exact_leaves = index.parts().has_exact_leaves();
 
     ProximityArrays lists = index.parts().lists()->arrays();
     std::vector<std::uint64_t> table{lists.table.begin(), lists.table.end()};
@@ -80,7 +84,7 @@ struct EditableIndex {
         arrays.scale = scale;
         arrays.fingerprint = index.mesh_fingerprint();
         arrays.root = root;
-        arrays.has_exact_leaves = index.parts().has_exact_leaves();
+        arrays.has_exact_leaves = has_exact_leaves;
         arrays.blocks = blocks;
         arrays.float_rows = rows;
         arrays.double_rows = index.parts().double_rows();
@@ -108,6 +112,48 @@ struct EditableIndex {
         return found;
     }
 };
+
+/// Gives the ranks of all blocks of the lists 4 bytes each, as those that are far apart have.
+inline void widen_blocks(EditableIndex& edited)
+{
+    std::vector<std::byte> arena;
+    std::map<std::uint32_t, std::uint32_t> new_position;
+    const auto append = [&](std::size_t begin, std::size_t bytes) {
+        const auto from = edited.arena.begin() + static_cast<std::ptrdiff_t>(begin);
+        arena.insert(arena.end(), from, from + static_cast<std::ptrdiff_t>(bytes));
+    };
+    const auto aligned = [](std::size_t at) {
+        return (at + block_alignment - 1) / block_alignment * block_alignment;
+    };
+    for (std::size_t at = 0; at + block_padding < edited.arena.size();) {
+        BlockHeader header;
+        std::memcpy(&header, edited.arena.data() + at, sizeof header);
+        const BlockLayout narrow = block_layout(header.vertices, header.triangles, false);
+        arena.resize(aligned(arena.size()));
+        new_position[static_cast<std::uint32_t>(at / block_alignment)] =
+            static_cast<std::uint32_t>(arena.size() / block_alignment);
+        header.wide = 1;
+        const auto* const bytes = reinterpret_cast<const std::byte*>(&header);
+        arena.insert(arena.end(), bytes, bytes + sizeof header);
+        append(at + sizeof header, narrow.ranks - sizeof header);
+        for (std::size_t i = 0; i < header.triangles; ++i) {
+            append(at + narrow.ranks + 2 * i, 2);
+            arena.insert(arena.end(), 2, std::byte{0}); // numbers begin with their lowest byte
+        }
+        at = aligned(at + narrow.end);
+    }
+    arena.resize(arena.size() + block_padding);
+    edited.arena = std::move(arena);
+    for (std::vector<std::uint64_t>* const words : {&edited.nodes, &edited.table}) {
+        for (std::uint64_t& word : *words) {
+            if (!proximity_word::is_leaf(word) || !proximity_word::is_block(word)) continue;
+            word = proximity_word::leaf(new_position.at(proximity_word::position(word)),
+                                        proximity_word::mask(word));
+        }
+    }
+    for (RunEntry& entry : edited.runs)
+        if (entry.mask != 0) entry.position = new_position.at(entry.position);
+}
 
 /// A change that damages a sound index, and the fault that the check must report.
 struct Damage {

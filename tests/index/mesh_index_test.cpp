@@ -272,5 +272,22 @@ TEST(MeshIndex, RefusesInvalidMeshes)
         [] { return true; });
 }
 
+TEST(MeshIndex, KeepsFloatsOnlyWhereAllCoordinatesAreNormalOnes)
+{
+    const auto has_floats = [](double coordinate) {
+        const TriangleMesh mesh =
+            mesh_of({Vec3(0, 0, 0), Vec3(1, 0, 0), Vec3(0, coordinate, 1)}, {{0, 1, 2}});
+        return !build_mesh_index(mesh).value().parts().float_rows().empty();
+    };
+    EXPECT_TRUE(has_floats(0.5));
+    EXPECT_TRUE(has_floats(-0.0));
+    EXPECT_TRUE(has_floats(0x1p-126));
+    EXPECT_TRUE(has_floats(0x1.fffffep127));
+    EXPECT_FALSE(has_floats(0x1p-127)); // a float, but not a normal one
+    EXPECT_FALSE(has_floats(0x1p-1000));
+    EXPECT_FALSE(has_floats(0x1p128));
+    EXPECT_FALSE(has_floats(0.1));
+}
+
 } // namespace
 } // namespace proxima::mesh_index_test

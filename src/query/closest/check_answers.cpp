@@ -2,6 +2,7 @@
 
 #include "base/progress.h"
 #include "base/text.h"
+#include "geometry/length.h"
 #include "index/check_work.h"
 #include "query/closest/brute_force.h"
 
@@ -19,12 +20,12 @@ public:
     {
         const Box box = bounding_box(mesh);
         middle_ = box.center();
-        size_ = box.extent().norm() +
+        size_ = length_of(box.extent()) +
                 1e-3 * box.lower.cwiseAbs().cwiseMax(box.upper.cwiseAbs()).maxCoeff();
     }
     [[nodiscard]] double of(const Vec3& p) const noexcept
     {
-        return 1e-12 * (size_ + (p - middle_).norm());
+        return 1e-12 * (size_ + length_of(p - middle_));
     }
 
 private:
@@ -35,7 +36,8 @@ private:
 bool is_right(const ClosestFeature& found, const ClosestFeature& right, double rounding)
 {
     const double gap = std::sqrt(found.squared_distance) - std::sqrt(right.squared_distance);
-    return std::abs(gap) <= rounding &&
+    const bool are_infinite = found.squared_distance == right.squared_distance; // or no gap
+    return (are_infinite || std::abs(gap) <= rounding) &&
            (found.feature != right.feature || found.triangle == right.triangle);
 }
 

@@ -1,6 +1,8 @@
 // Every kind of damage to an index's lists is found and named.
 #include "index/damaged_index.h"
 #include "index/lists/block.h"
+#include "index/lists/cost_model.h"
+#include "proxima/closest_feature.h"
 
 #include <cstring>
 
@@ -85,7 +87,9 @@ TEST_F(CheckLists, NamesADamagedRun)
          {"its run is damaged", [](EditableIndex& e) { e.runs[1].mask = 0; }},
          {"its run is damaged", [](EditableIndex& e) { e.runs[1].least = float_nan; }},
          {"its run is damaged", [](EditableIndex& e) { e.runs[1].least = 3; }},
+         {"its run is damaged", [](EditableIndex& e) { e.runs[1].least = -HUGE_VALF; }},
          {"its run is damaged", [](EditableIndex& e) { e.runs[1].direction[2] = float_nan; }},
+         {"its run is damaged", [](EditableIndex& e) { e.runs[1].direction[0] = 1.01F; }},
          {"its run is damaged", [](EditableIndex& e) { e.runs[1].position += 1; }},
          // The last run ends beyond the others, in memory that still holds what was there.
          {"its run is damaged", [](EditableIndex& e) { e.runs.pop_back(); }},
@@ -114,6 +118,106 @@ TEST_F(CheckLists, NamesADamagedHeaderOfABlockOfLists)
                   {"a block is damaged", header_byte(25, 33)},
                   {"a block is damaged", header_byte(26, 2)},
                   {"a block is damaged", header_byte(27, 1)}});
+}
+
+TEST_F(CheckLists, NamesTrianglesOfBlocksThatThereAreNot)
+{
+    const auto header_of = [](const EditableIndex& e, std::size_t at) {
+        BlockHeader header;
+        std::memcpy(&header, e.arena.data() + at, sizeof header);
+        return header;
+    };
+    const auto set = [](EditableIndex& e, std::size_t at, std::uint16_t value) {
+        std::memcpy(e.arena.data() + at, &value, sizeof value);
+    };
+    expect_named(
+        {{"a block is damaged",
+          [&](EditableIndex& e) { // a corner one beyond the last vertex
+              const BlockHeader header = header_of(e, 0);
+              ASSERT_LT(header.vertices, 32);
+              set(e, block_layout(header.vertices, header.triangles, false).corners,
+                  header.vertices);
+          }},
+         {"a block is damaged",
+          [&](EditableIndex& e) { // a rank one beyond the last row
+              const BlockHeader header = header_of(e, 0);
+              ASSERT_EQ(header.wide, 0);
+              set(e, block_layout(header.vertices, header.triangles, false).ranks,
+                  static_cast<std::uint16_t>(e.rows.size() - header.base));
+          }},
+         {"no such triangles",
+          [&](EditableIndex& e) { // one more than a list may have of a block
+              std::size_t at = 0;
+              while (header_of(e, at).triangles <= list_triangles) {
+                  const BlockHeader header = header_of(e, at);
+                  at += block_layout(header.vertices, header.triangles, header.wide != 0).end;
+                  at = (at + block_alignment - 1) / block_alignment * block_alignment;
+                  ASSERT_LT(at + block_padding, e.arena.size());
+              }
+              first_leaf(e) = proximity_word::leaf(static_cast<std::uint32_t>(at / block_alignment),
+                                                   (2U << list_triangles) - 1);
+          }}});
+}
+
+TEST_F(CheckLists, TakesAndDamagesWideBlocks)
+{
+    EditableIndex wide(sound_index);
+    testing::widen_blocks(wide);
+    EXPECT_EQ(wide.fault(), "");
+    const auto set = [](EditableIndex& e, std::uint32_t value) {
+        testing::widen_blocks(e);
+        BlockHeader header;
+        std::memcpy(&header, e.arena.data(), sizeof header);
+        const BlockLayout layout = block_layout(header.vertices, header.triangles, true);
+        value -= header.base;
+        std::memcpy(e.arena.data() + layout.ranks, &value, sizeof value);
+    };
+    EditableIndex last(sound_index);
+    set(last, static_cast<std::uint32_t>(last.rows.size() - 1));
+    EXPECT_EQ(last.fault(), "");
+    expect_named({{"a block is damaged",
+                   [&](EditableIndex& e) { set(e, static_cast<std::uint32_t>(e.rows.size())); }},
+                  {"a block is damaged", [&](EditableIndex& e) { set(e, 0x10000); }}});
+}
+
+TEST_F(CheckLists, WideBlocksAnswerLikeOthers)
+{
+    EditableIndex wide(sound_index);
+    testing::widen_blocks(wide);
+    const MeshIndex index = wide.adopted();
+    const TriangleMesh mesh = mesh_of(sound_index).value();
+    for (const Vec3& p : testing::proximity_points(mesh, 500, 5)) {
+        const ClosestFeature found = closest_feature(index, p).value();
+        const ClosestFeature expected = closest_feature(sound_index, p).value();
+        ASSERT_EQ(found.feature, expected.feature);
+        ASSERT_EQ(found.triangle, expected.triangle);
+        ASSERT_EQ(found.point, expected.point);
+    }
+}
+
+TEST(Blocks, AreWideWhereSixteenBitsDoNotHoldTheirRanks)
+{
+    for (const std::uint32_t first : {0U, 5U}) {
+        for (const std::uint32_t difference : {1U, 0xFFFFU, 0x10000U, 0xFFFFFFF0U}) {
+            std::vector<std::byte> arena;
+            const std::vector<Vec3> points = {Vec3(0, 0, 0), Vec3(1, 0, 0), Vec3(0, 1, 0)};
+            // The highest rank first: order does not matter.
+            append_block(
+                std::vector<BlockTriangle>{{first + difference, {0, 1, 2}}, {first, {0, 2, 1}}},
+                points, arena);
+            BlockHeader header;
+            std::memcpy(&header, arena.data(), sizeof header);
+            EXPECT_EQ(header.base, first);
+            EXPECT_EQ(header.wide, difference > 0xFFFFU ? 1 : 0);
+            const BlockLayout layout = block_layout(header.vertices, 2, header.wide != 0);
+            for (const std::uint32_t k : {0U, 1U}) {
+                std::uint32_t rank = 0;
+                const std::size_t bytes = header.wide != 0 ? 4 : 2;
+                std::memcpy(&rank, arena.data() + layout.ranks + bytes * k, bytes);
+                EXPECT_EQ(rank, k == 0 ? difference : 0U);
+            }
+        }
+    }
 }
 
 TEST_F(CheckLists, NamesBytesOfListsThatBelongToNoBlock)

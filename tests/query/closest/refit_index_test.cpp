@@ -4,6 +4,7 @@
 #include "cancellation.h"
 #include "code_of.h"
 #include "index/check_structure.h"
+#include "index/damaged_index.h"
 #include "index/index_parts.h"
 #include "index/listed_index.h"
 #include "index/lists/proximity_lists.h"
@@ -185,6 +186,32 @@ TEST(RefitIndex, LooksAtAllBlocksOfALongList)
         for (int i = 0; i < 4000; ++i)
             points.emplace_back(0.2 * middle + random_step(random, 0.25));
         expect_same_distances(plain, listed, after, topology, points);
+    }
+}
+
+TEST(RefitIndex, KnowsTheTrianglesOfWideBlocks)
+{
+    const TriangleMesh mesh =
+        moved(sample_mesh("torus:24x36").value(), [](std::size_t /*i*/, const Vec3& p) -> Vec3 {
+            return (p * 0x1p20).array().round().matrix() * 0x1p-20; // coordinates that floats hold
+        });
+    const auto topology = build_topology(mesh).value();
+    const MeshIndex plain = build_mesh_index(mesh).value();
+    const MeshIndex listed = with_lists(plain).value();
+    EditableIndex wide(with_signs(with_slabs(listed).value()).value());
+    widen_blocks(wide);
+    std::mt19937_64 random(9);
+    for (int round = 0; round < 20; ++round) {
+        const std::size_t vertex = random() % mesh.vertex_count();
+        const Vec3 step = random_step(random, 0.2);
+        const TriangleMesh after = moved(mesh, [&](std::size_t i, const Vec3& p) -> Vec3 {
+            return i == vertex ? Vec3(p + step) : p;
+        });
+        const MeshIndex narrow = refit_index(listed, after, topology).value();
+        const MeshIndex refitted = refit_index(wide.adopted(), after, topology).value();
+        EXPECT_GT(refitted.parts().lists()->statistics().stale_leaves, 0U);
+        EXPECT_EQ(refitted.parts().lists()->statistics(), narrow.parts().lists()->statistics());
+        expect_answers(refitted, after, topology, points_about(mesh, after, 20));
     }
 }
 
