@@ -117,7 +117,7 @@ void add_common_options(CLI::App& parser, CommonOptions& options)
 }
 
 /// What an error says, with what somebody can do here: not every command has a budget.
-std::string advice_of(const Error& error, const CLI::App& parser)
+std::string advice_of(const Error& error, const CLI::App& parser, const Session& session)
 {
     constexpr std::string_view raise = "raise the budget";
     std::string text = describe(error);
@@ -128,6 +128,8 @@ std::string advice_of(const Error& error, const CLI::App& parser)
                          ? "raise --budget-mb"
                          : "give it more memory (ulimit -v, where that is the limit)");
     }
+    if (error.code == ErrorCode::invalid_mesh && session.found_only_points())
+        text += "; --points-and-lines reads points and lines";
     return text;
 }
 
@@ -189,7 +191,7 @@ int run(const Command& command, const CommonOptions& options)
         for (const std::string& note : session.notes()) report(note);
         return 0;
     }
-    report(advice_of(status.error(), *command.parser));
+    report(advice_of(status.error(), *command.parser, session));
     const int signal = InterruptGuard::signal_number();
     return status.error().code == ErrorCode::cancelled && signal != 0 ? first_signal_status + signal
                                                                       : bad_input;
@@ -228,18 +230,24 @@ int parse_and_run(int argc, char** argv, const char* version, std::span<const Ad
         report(empty + ": leave the option out, or give it a value");
         return wrong_usage;
     }
+    std::vector<std::string> names;
+    names.reserve(commands.size());
+    for (const Command& command : commands) names.push_back(command.parser->get_name());
+    std::vector<const char*> arguments(argv, argv + argc);
+    if (argc > 1 && std::string_view(argv[1]) == "help") { // "help closest" is "closest --help"
+        arguments.erase(arguments.begin() + 1);
+        if (argc == 2 || std::ranges::find(names, argv[2]) != names.end())
+            arguments.push_back("--help");
+    }
     const auto asked_for = [](const Command& command) { return command.parser->parsed(); };
     try {
-        app.parse(argc, argv);
+        app.parse(static_cast<int>(arguments.size()), arguments.data());
     } catch (const CLI::ParseError& error) {
         if (error.get_exit_code() == 0) return print_help_or_version(app, error);
         const auto found = std::ranges::find_if(commands, asked_for);
-        if (found == commands.end() && argc > 1 && argv[1][0] != '-') {
-            std::vector<std::string> names;
-            names.reserve(commands.size());
-            for (const Command& command : commands) names.push_back(command.parser->get_name());
-            report(fmt::format("{} is no command: they are {}{}; see proxima --help", argv[1],
-                               fmt::join(names, ", "), did_you_mean(argv[1], names)));
+        if (found == commands.end() && arguments.size() > 1 && arguments[1][0] != '-') {
+            report(fmt::format("{} is no command: they are {}{}; see proxima --help", arguments[1],
+                               fmt::join(names, ", "), did_you_mean(arguments[1], names)));
             return wrong_usage;
         }
         const bool known = found != commands.end();

@@ -469,11 +469,13 @@ Command add_intersect_command(CLI::App& app)
                             "double recursion of two octrees, and the triangles of leaves that "
                             "meet");
     add_cell_options(*parser, options->depth, options->threshold);
-    parser->callback([options] {
+    parser->callback([parser, options] {
         if (options->distance && options->method == QueryMethod::thesis) {
             throw CLI::ValidationError(
                 "--distance", "is of --method index: the thesis has no distance between meshes");
         }
+        if (!options->looks_at_cells() && options->method != QueryMethod::thesis)
+            refuse_cell_options(*parser, "--cells, --picture or --method thesis");
     });
     return {parser, [options](Session& session) { return run_intersect(*options, session); }};
 }

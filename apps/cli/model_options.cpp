@@ -73,6 +73,14 @@ void add_cell_options(CLI::App& parser, int& depth, std::uint32_t& threshold)
         ->type_name("N");
 }
 
+void refuse_cell_options(const CLI::App& parser, std::string_view what_they_go_with)
+{
+    for (const char* const name : {"--depth", "--threshold"}) {
+        if (parser.count(name) > 0)
+            throw CLI::ValidationError(name, concat("it goes with ", what_they_go_with));
+    }
+}
+
 Vec3 up_axis_of_model(const std::string& model)
 {
     const bool is_z = is_sample_mesh_name(model) || lower_case_extension(model) == ".3ds";

@@ -38,6 +38,8 @@ CLI::Option* add_list_budget_option(CLI::App& parser, std::uint64_t& megabytes);
 
 /// --depth N and --threshold N of the octree for cells.
 void add_cell_options(CLI::App& parser, int& depth, std::uint32_t& threshold);
+/// Throws where one of them is given, for commands that build no octree without other options.
+void refuse_cell_options(const CLI::App& parser, std::string_view what_they_go_with);
 
 /// The up axis that a model is drawn with: built-ins and 3DS stand on z, other files mostly on y.
 [[nodiscard]] Vec3 up_axis_of_model(const std::string& model);

@@ -323,6 +323,7 @@ Command add_raycast_command(CLI::App& app)
         options->has_camera = options->camera.has_any() || parser->count("--picture") > 0 ||
                               parser->count("--size") > 0;
         check_sources(*options);
+        if (!options->by_octree()) refuse_cell_options(*parser, "--cells or --method thesis");
     });
     return {parser, [options](Session& session) { return run_raycast(*options, session); }};
 }

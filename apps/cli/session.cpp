@@ -134,6 +134,11 @@ Result<TriangleMesh> Session::load_model(const std::string& model)
         return mesh;
     }
     auto mesh = read_mesh(model, {.primitives = primitives(), .execution = execution()});
+    if (mesh && mesh->triangle_count() == 0 && mesh->vertex_count() > 0 &&
+        primitives() == Primitives::triangles) {
+        found_only_points_ = true;
+        note(concat(model, " has no triangles; --points-and-lines reads points and lines"));
+    }
     std::error_code error;
     if (mesh || std::filesystem::exists(model, error)) return mesh;
     const std::string built_in = similar_sample_mesh(model);

@@ -86,6 +86,9 @@ public:
     /// The mesh of a built-in name or a file.
     [[nodiscard]] Result<TriangleMesh> load_model(const std::string& model);
 
+    /// Whether a model's file had vertices and no triangles, and only triangles were asked for.
+    [[nodiscard]] bool found_only_points() const noexcept { return found_only_points_; }
+
     /// The table of a file, with its note. Errors as read_number_table.
     [[nodiscard]] Result<NumberTable> load_table(const std::string& path, const TableForm& form);
 
@@ -107,6 +110,7 @@ private:
 
     CommonOptions options_;
     Progress progress_;
+    bool found_only_points_ = false;
     std::vector<std::string> notes_;
     std::vector<OutputFile> outputs_; ///< those that are no regular files
 };

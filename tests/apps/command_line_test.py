@@ -412,7 +412,7 @@ class Check(ProgramTest):
         self.assertIn("2 unreferenced vertices\n",
                       self.succeed("check", self.file("two.off", one % (5, "6 6 6\n"))))
         path = self.file("none.off", "OFF\n1 0 0\n0 0 0\n")
-        self.assertEqual({query["reason"] for query in self.json_of("check", path)["outlook"]},
+        self.assertEqual({query["reason"] for query in self.json_of("check", path, "--quiet")["outlook"]},
                          {"no triangles"})
 
     def test_infinity_is_null(self):
@@ -426,6 +426,9 @@ class Parser(ProgramTest):
     def test_help_and_version(self):
         self.assertIn("octree", self.succeed("--help"))
         self.assertIn("--threshold", self.succeed("octree", "--help"))
+        self.assertEqual(self.succeed("help", "octree"), self.succeed("octree", "--help"))
+        self.assertEqual(self.succeed("help"), self.succeed("--help"))
+        self.refuse("help", "octre", status=2, says=("octre is no command", "did you mean octree?"))
         self.assertRegex(self.succeed("--version"), r"^\d+\.\d+\.\d+\ninstruction sets here, the best first:( \w+)+\n$")
 
     def test_every_instruction_set_gives_the_same_results(self):
@@ -475,6 +478,12 @@ class Views(ProgramTest):
         self.assertEqual(two["facts"]["triangles"], ["1", "12"], "of each model")
         with_lines = self.json_of("view", model, "--points-and-lines", "--out", self.folder / "a.glb")
         self.assertEqual(with_lines["facts"]["triangles"], "3")
+        alone = self.file("alone.obj", "v 0 0 0\nv 1 0 0\nl 1 2\n")
+        for command in ("octree", "check"):
+            with self.subTest(command):
+                done = run(command, alone)
+                self.assertRegex(done.stderr, "^proxima: .*no triangles.*--points-and-lines reads points and lines\n$")
+        self.assertEqual(self.succeed("octree", alone, "--points-and-lines").count("1 triangles"), 1)
 
     def test_progress_is_shown_where_asked_for(self):
         done = run("view", "icosphere:7", "--panel", "octree", "--size", "60x60", "--picture", self.folder / "a.png", "--progress")

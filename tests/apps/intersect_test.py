@@ -248,6 +248,8 @@ class Rows(ProgramTest):
             report = self.succeed("intersect", "cube", "octahedron", "--pose", poses, output[0], self.folder / output[1])
             self.assertIn("1 of 2 poses intersect", report)
         self.refuse("intersect", "cube", "cube", "--out", "-", "--json", "-", says="stdout")
+        for option in ("--depth", "--threshold"):
+            self.refuse("intersect", "cube", "cube", option, 3, status=2, says=(option, "--cells"))
 
     def test_a_row_per_pose(self):
         small = self.file("small.off", tetrahedron(0.25))

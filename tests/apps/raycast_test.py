@@ -324,6 +324,8 @@ class Refusing(ProgramTest):
                               ("--eye", "1,2"), ("--target", "a,b,c"), ("--up", "w"), ("--up", "0,0,0"), ("--fov", "180"), ("--fov", "nan"),
                               ("--depth", "99")):
             self.refuse("raycast", "cube", "--picture", out, option, value, status=2, says=option)
+        for option in ("--depth", "--threshold"):
+            self.refuse("raycast", "cube", "--rays", rays, option, 3, status=2, says=(option, "--cells"))
         self.refuse("raycast", "cube", "--picture", out, "--view", "top", "--eye", "1,2,3", status=2, says=("--view", "--eye"))
 
     def test_rays_of_the_command_line(self):
