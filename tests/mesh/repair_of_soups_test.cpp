@@ -106,7 +106,7 @@ void drop_duplicates(SlowRepair& slow)
         TriangleCorners corners = slow.corners[i];
         const Names names = names_of(corners);
         if (names.size() < 3) continue;
-        std::ranges::rotate(corners, std::ranges::min_element(corners));
+        std::rotate(corners.begin(), std::ranges::min_element(corners), corners.end());
         sets[names].at(corners[1] < corners[2] ? 0 : 1).push_back(i);
     }
     std::set<Names> walls;
