@@ -63,6 +63,18 @@ TEST_F(TwoSquares, TheNearOneHidesTheFarOneInAnyOrder)
     }
 }
 
+TEST_F(TwoSquares, WhatIsLiftedHidesWhatIsInTheSamePlace)
+{
+    add_square(0.0, 1.8, "lifted", 0x00FF00);
+    scene.surfaces[2].lift = 1e-3;
+    for (const auto& [first, second] : {std::pair(0, 0), std::pair(0, 2), std::pair(0, 1)}) {
+        std::swap(scene.surfaces[first], scene.surfaces[second]);
+        const Image image = draw();
+        EXPECT_EQ(image.pixel(60, 20), (Pixel{0, 255, 0}));
+        EXPECT_EQ(image.pixel(60, 50), red); // still in front of it
+    }
+}
+
 TEST_F(TwoSquares, GlassBlendsInAnyOrder)
 {
     scene.surfaces[1].opacity = 0.5F;

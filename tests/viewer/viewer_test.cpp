@@ -208,6 +208,34 @@ TEST(Viewer, ClickPicksWhatIsUnderIt)
     EXPECT_FALSE(viewer.picked());
 }
 
+TEST(Viewer, PicksTheVertexOrTheEdgeThatIsNear)
+{
+    const std::array<Vec3, 3> corners = {Vec3(0, 0, 0), Vec3(3, 0, 0), Vec3(1, 2, 0)};
+    const TriangleMesh mesh =
+        make_triangle_mesh({corners.begin(), corners.end()}, {{0, 1, 2}}).value();
+    const ViewModels models = {make_view_model("triangle", mesh, Vec3::UnitZ(), 0, {}).value()};
+    const auto picked_at = [&](double a, double b) {
+        const Vec3 point = a * corners[0] + b * corners[1] + (1 - a - b) * corners[2];
+        const auto found =
+            pick(models, {.origin = point + Vec3(0, 0, 5), .direction = Vec3(0, 0, -1)});
+        EXPECT_TRUE(found);
+        EXPECT_LT((found->point - point).norm(), 1e-12);
+        return found->nearest;
+    };
+    const auto edge = [&](std::uint32_t a, std::uint32_t b) {
+        return Feature{FeatureKind::edge,
+                       to_index(models[0]->topology.find_edge(VertexId{a}, VertexId{b}))};
+    };
+    EXPECT_EQ(picked_at(0.85, 0.1), (Feature{FeatureKind::vertex, 0}));
+    EXPECT_EQ(picked_at(0.1, 0.85), (Feature{FeatureKind::vertex, 1}));
+    EXPECT_EQ(picked_at(0.1, 0.05), (Feature{FeatureKind::vertex, 2}));
+    EXPECT_EQ(picked_at(0.05, 0.45), edge(1, 2));
+    EXPECT_EQ(picked_at(0.45, 0.05), edge(0, 2));
+    EXPECT_EQ(picked_at(0.45, 0.5), edge(0, 1));
+    EXPECT_EQ(picked_at(0.75, 0.13), (Feature{FeatureKind::face, 0}));
+    EXPECT_EQ(picked_at(0.3, 0.3), (Feature{FeatureKind::face, 0}));
+}
+
 TEST(Viewer, HandlesFollowTheMouseInTheirPlane)
 {
     Shown shown({"icosphere:3"}, "closest");
