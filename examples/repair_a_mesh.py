@@ -25,7 +25,7 @@ for step, count in repair.steps.items():
     if count:
         print(f"{step.replace('_', ' ')}: {count}")
 before, after = mesh.report(), repair.mesh.report()
-print(f"closed: {before.closed} before, {after.closed} after" + (f"; volume {after.volume:.4f}" if after.closed else ""))
+print(f"closed: {before.closed} before, {after.closed} after" + ("" if after.volume is None else f"; volume {after.volume:.4f}"))
 for finding in after.findings:
     print(f"left: {finding.number} {finding.kind.replace('_', ' ')}")
 if len(sys.argv) > 2:

@@ -2,6 +2,7 @@
 
 #include "base/simd.h"
 #include "cli/interrupt.h"
+#include "cli/model_options.h"
 #include "cli/names.h"
 #include "cli/number_checks.h"
 #include "cli/session.h"
@@ -128,8 +129,7 @@ std::string advice_of(const Error& error, const CLI::App& parser, const Session&
                          ? "raise --budget-mb"
                          : "give it more memory (ulimit -v, where that is the limit)");
     }
-    if (error.code == ErrorCode::invalid_mesh && session.found_only_points())
-        text += "; --points-and-lines reads points and lines";
+    if (error.code == ErrorCode::invalid_mesh && session.found_only_points()) text += points_hint;
     return text;
 }
 

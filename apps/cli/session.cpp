@@ -2,6 +2,7 @@
 
 #include "base/file_extension.h"
 #include "base/text.h"
+#include "cli/model_options.h"
 #include "cli/names.h"
 #include "proxima/index_io.h"
 #include "proxima/mesh_index.h"
@@ -134,10 +135,9 @@ Result<TriangleMesh> Session::load_model(const std::string& model)
         return mesh;
     }
     auto mesh = read_mesh(model, {.primitives = primitives(), .execution = execution()});
-    if (mesh && mesh->triangle_count() == 0 && mesh->vertex_count() > 0 &&
-        primitives() == Primitives::triangles) {
+    if (mesh && primitives() == Primitives::triangles && may_be_of_points(model, *mesh)) {
         found_only_points_ = true;
-        note(concat(model, " has no triangles; --points-and-lines reads points and lines"));
+        note(concat(model, " has no triangles", points_hint));
     }
     std::error_code error;
     if (mesh || std::filesystem::exists(model, error)) return mesh;

@@ -115,9 +115,14 @@ Result<ViewModels> load_view_models(std::span<const std::string> names, Primitiv
     for (const std::string& name : names) {
         auto mesh = read_model(name, primitives, context);
         if (!mesh) return tl::unexpected(mesh.error());
+        const bool may_be_points =
+            primitives == Primitives::triangles && may_be_of_points(name, *mesh);
         auto model = make_view_model(name, std::move(*mesh), up.value_or(up_axis_of_model(name)),
                                      models.size(), context);
-        if (!model) return tl::unexpected(model.error());
+        if (!model) {
+            if (may_be_points) model.error().message += points_hint;
+            return tl::unexpected(model.error());
+        }
         models.push_back(std::move(*model));
     }
     return models;

@@ -64,9 +64,10 @@ struct MeshRepairOptions {
     /// Off, as a closed mesh without such a triangle has a slit.
     bool drop_zero_area = false;
     /// Of triangles of the same three vertices the first stays of those that face the way of most.
-    /// Where as many face one way as the other, the first of each way stays if the set is a wall
-    /// between solids or a fold: if it meets the rest of the surface, and one triangle alone would
-    /// not leave fewer edges open there. Else the first of all stays.
+    /// Walls between solids, and folds, face both ways, with at most one triangle more one way than
+    /// the other: of them the first of each way stays, but where that leaves more edges open, and in
+    /// components that are double throughout. So closed meshes stay closed, but for sheets with two
+    /// sides and for sets of two triangles or more in excess of those that face them.
     bool drop_duplicates = true;
 
     /// Components of less than this fraction of the largest one's area are dropped, 0 to 1.
@@ -80,9 +81,10 @@ struct MeshRepairOptions {
     bool orient = true;
     /// Has closed pieces face outward. Pieces without volume to speak of stay as they are.
     bool turn_outward = true;
-    /// A closed piece inside an odd number of others is a cavity and faces inward, exactly decided.
-    /// Inside is what has all its corners inside, those left out that it shares; what passes through
-    /// another piece is not. Off, all face outward: for solids that happen to be inside each other.
+    /// A closed piece inside an odd number of others is a cavity and faces inward, exactly decided;
+    /// solids with walls in common count as one of the others. Inside is what has all its corners
+    /// inside, those left out that it shares; what passes through another piece is not. Off, all face
+    /// outward: for solids that happen to be inside each other.
     bool keep_cavities = true;
 
     bool drop_unused_vertices = true;

@@ -169,7 +169,7 @@ examined: Index.self_intersections() does that. Any number of threads may call i
     drop_non_finite          triangles with a NaN or infinite corner
     drop_degenerate          triangles that name a vertex twice
     drop_zero_area           triangles of three vertices on one line; off, as it may leave a slit
-    drop_duplicates          all but one, or one of each side of a wall between solids, of triangles of the same vertices
+    drop_duplicates          triangles of the vertices of an earlier one; walls between solids and folds keep both sides
     min_component_area       drops components of less than this fraction of the largest one's area, 0 to 1
     min_component_triangles  drops components of fewer triangles
     orient                   triangles of a piece face one way, that of most of them

@@ -311,7 +311,7 @@ private:
                        "part, else they are inside out and nothing counts as inside of them"
                      : "these closed parts are inside out: octree, closest features, rays and "
                        "intersection do not mind, but signed distances are positive within them "
-                       "as well, and no cell is an inner one; turn their triangles");
+                       "as well, and no cell there is an inner one; turn their triangles");
 
         report_.euler_characteristic = proper_vertices_ - proper_edges_ + proper_triangles_;
         const bool manifold = report_.find(FindingKind::non_manifold_edges) == nullptr &&

@@ -406,19 +406,20 @@ private:
             repair_.unorientable_pieces += piece.unmatched_edges > 0 ? 1U : 0U;
         }
         if (does(RepairStepKind::turn_outward)) {
-            turn_outward(surface, *found);
+            turn_outward(surface, topology, *found);
             if (is_cancelled(progress_)) return cancelled(work_name);
         }
         turned_ = std::move(found->turned);
         return {};
     }
 
-    void turn_outward(const TriangleMesh& surface, SurfacePieces& found)
+    void turn_outward(const TriangleMesh& surface, const Topology& topology, SurfacePieces& found)
     {
         begin_stage(progress_, "turning pieces outward", 2);
         const std::vector<int> volume_signs = volume_signs_of(surface, found);
         advance_stage(progress_, 1);
-        const std::vector<std::uint8_t> is_cavity = cavities(surface, found, volume_signs);
+        const std::vector<std::uint8_t> is_cavity =
+            cavities(surface, topology, found, volume_signs);
         std::vector<std::uint8_t> to_turn(volume_signs.size(), 0);
         for (std::size_t number = 0; number < volume_signs.size(); ++number) {
             const int wanted = is_cavity[number] != 0 ? -1 : 1;
@@ -433,21 +434,23 @@ private:
         advance_stage(progress_, 1);
     }
 
-    /// 1 for closed pieces with volume inside an odd number of other ones.
+    /// 1 for closed pieces with volume inside an odd number of other closed surfaces.
     [[nodiscard]] std::vector<std::uint8_t> cavities(const TriangleMesh& surface,
+                                                     const Topology& topology,
                                                      const SurfacePieces& found,
                                                      std::span<const int> volume_signs) const
     {
-        const auto count = static_cast<std::uint32_t>(volume_signs.size());
-        const auto closed = std::ranges::count_if(volume_signs, [](int sign) { return sign != 0; });
-        // NOLINTNEXTLINE(modernize-return-braced-init-list): in braces they would be two numbers
-        if (!options_.keep_cavities || closed < 2) return std::vector<std::uint8_t>(count, 0);
-        std::vector<std::uint32_t> surface_of(found.piece_of.size(), no_surface);
-        for (std::size_t i = 0; i < surface_of.size(); ++i) {
-            const std::uint32_t piece = found.piece_of[i];
-            if (piece != detail::no_piece && volume_signs[piece] != 0) surface_of[i] = piece;
-        }
-        return nested_surfaces(surface, surface_of, count, options_.execution.threads, progress_);
+        std::vector<std::uint8_t> none(volume_signs.size(), 0);
+        const auto has_volume = [](int sign) { return sign != 0; };
+        if (!options_.keep_cavities || std::ranges::none_of(volume_signs, has_volume)) return none;
+        const detail::ClosedSurfaces closed =
+            detail::closed_surfaces_of(surface, topology, found, volume_signs);
+        if (closed.count < 2) return none;
+        static_assert(no_surface == detail::no_piece);
+        std::vector<std::uint8_t> nested = nested_surfaces(surface, closed.surface_of, closed.count,
+                                                           options_.execution.threads, progress_);
+        nested.resize(volume_signs.size()); // those of pieces
+        return nested;
     }
 
     Result<MeshRepair> assemble()

@@ -1,5 +1,6 @@
 #include "mesh/surface_pieces.h"
 
+#include "base/disjoint_sets.h"
 #include "base/progress.h"
 
 #include <algorithm>
@@ -199,6 +200,45 @@ std::vector<int> volume_signs_of(const TriangleMesh& mesh, const SurfacePieces& 
         signs.push_back(finite[number] ? sums[number].sign() : 0);
     }
     return signs;
+}
+
+ClosedSurfaces closed_surfaces_of(const TriangleMesh& mesh, const Topology& topology,
+                                  const SurfacePieces& pieces, std::span<const int> volume_signs)
+{
+    ClosedSurfaces closed;
+    closed.count = static_cast<std::uint32_t>(pieces.pieces.size());
+    closed.surface_of.assign(mesh.triangle_count(), no_piece);
+    const auto is_left = [&](std::uint32_t id) {
+        const std::uint32_t piece = pieces.piece_of[id];
+        return piece != no_piece && !pieces.pieces[piece].closed;
+    };
+    DisjointSets sets(mesh.triangle_count());
+    std::vector<std::uint8_t> is_open(mesh.triangle_count(), 0);
+    for (std::uint32_t edge = 0; edge < topology.edge_count(); ++edge) {
+        std::uint32_t last = no_piece;
+        std::uint32_t count = 0;
+        for (const TriangleId triangle : topology.triangles(EdgeId{edge})) {
+            if (!is_left(to_index(triangle))) continue;
+            if (count++ > 0) sets.unite(last, to_index(triangle));
+            last = to_index(triangle);
+        }
+        if (count % 2 != 0) is_open[last] = 1;
+    }
+    for (std::uint32_t id = 0; id < mesh.triangle_count(); ++id) {
+        if (is_left(id) && (is_open[id] != 0 || !is_finite(mesh.triangle(TriangleId{id}))))
+            is_open[sets.find(id)] = 1;
+    }
+    for (std::uint32_t id = 0; id < mesh.triangle_count(); ++id) {
+        const std::uint32_t piece = pieces.piece_of[id];
+        if (is_left(id)) {
+            const std::uint32_t first = sets.find(id); // at most id
+            if (is_open[first] != 0) continue;
+            closed.surface_of[id] = first == id ? closed.count++ : closed.surface_of[first];
+        } else if (piece != no_piece && volume_signs[piece] != 0) {
+            closed.surface_of[id] = piece;
+        }
+    }
+    return closed;
 }
 
 } // namespace proxima::detail

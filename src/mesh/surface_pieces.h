@@ -50,4 +50,17 @@ find_surface_pieces(const TriangleMesh& mesh, const Topology& topology,
 [[nodiscard]] std::vector<int> volume_signs_of(const TriangleMesh& mesh,
                                                const SurfacePieces& surface);
 
+/// What encloses something.
+struct ClosedSurfaces {
+    std::vector<std::uint32_t> surface_of; ///< by triangle its surface, no_piece of those of none
+    std::uint32_t count = 0;
+};
+
+/// Pieces with volume, by their numbers, and after them what is left of components without their
+/// closed pieces, where that has an even number of triangles at each edge: as solids that have walls
+/// in common, which come apart into pieces that are open. Linear.
+[[nodiscard]] ClosedSurfaces closed_surfaces_of(const TriangleMesh& mesh, const Topology& topology,
+                                                const SurfacePieces& pieces,
+                                                std::span<const int> volume_signs);
+
 } // namespace proxima::detail

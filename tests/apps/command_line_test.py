@@ -479,9 +479,9 @@ class Views(ProgramTest):
         with_lines = self.json_of("view", model, "--points-and-lines", "--out", self.folder / "a.glb")
         self.assertEqual(with_lines["facts"]["triangles"], "3")
         alone = self.file("alone.obj", "v 0 0 0\nv 1 0 0\nl 1 2\n")
-        for command in ("octree", "check"):
+        for command in (("octree",), ("check",), ("view", "--picture", self.folder / "a.png")):
             with self.subTest(command):
-                done = run(command, alone)
+                done = run(*command, alone)
                 self.assertRegex(done.stderr, "^proxima: .*no triangles.*--points-and-lines reads points and lines\n$")
         self.assertEqual(self.succeed("octree", alone, "--points-and-lines").count("1 triangles"), 1)
 

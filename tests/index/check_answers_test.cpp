@@ -63,7 +63,9 @@ TEST(CheckAnswers, KnowsRoundingFromWrongAnswers)
     };
     for (const double distance : {0.5, 2.0, 1e7}) {
         EXPECT_TRUE(is_sound(1, distance, 1)) << distance;
-        EXPECT_TRUE(is_sound(1, distance, 1e160)) << distance; // squared distances are infinite
+        // Squared distances are infinite, or 0.
+        EXPECT_TRUE(is_sound(1, distance, 1e160)) << distance;
+        EXPECT_TRUE(is_sound(1, distance, 1e-160)) << distance;
         EXPECT_TRUE(is_sound(1 + 1e-14, distance, 1)) << distance;
     }
     EXPECT_TRUE(is_sound(1 + 1e-8, 1e7, 1)); // below the digits of such distances
@@ -71,6 +73,8 @@ TEST(CheckAnswers, KnowsRoundingFromWrongAnswers)
     EXPECT_FALSE(is_sound(1 + 1e-9, 2, 1));
     EXPECT_FALSE(is_sound(1 + 1e-9, 2, 1e-6));
     EXPECT_FALSE(is_sound(1 + 1e-9, 2, 1e6));
+    EXPECT_FALSE(is_sound(1 + 1e-9, 2, 1e160));
+    EXPECT_FALSE(is_sound(1 + 1e-9, 2, 1e-160));
 }
 
 TEST(CheckAnswers, CanBeCancelled)

@@ -11,6 +11,7 @@
 #include <gtest/gtest.h>
 #include <numbers>
 #include <random>
+#include <set>
 #include <string>
 #include <utility>
 #include <vector>
@@ -158,6 +159,138 @@ TEST(MeshRepair, KeepsWallsBetweenSolids)
         EXPECT_NEAR(after.signed_volume.value_or(0), *before.signed_volume, 1e-12);
     }
     EXPECT_GT(walls, 1000U);
+}
+
+/// Two boxes of squares of two triangles, side by side, with the wall between them twice. Closed.
+Draft boxes_with_a_wall()
+{
+    constexpr std::uint32_t side = 4;
+    constexpr std::uint32_t row = side + 1;
+    constexpr std::uint32_t layer = row * row;
+    Draft draft;
+    for (std::uint32_t i = 0; i < (2 * side + 1) * layer; ++i)
+        draft.positions.emplace_back(i / layer, i / row % row, i % row);
+    constexpr std::array<std::uint32_t, 3> steps = {layer, row, 1};
+    for (std::uint32_t box = 0; box < 2; ++box) {
+        for (std::size_t axis = 0; axis < 3; ++axis) {
+            for (std::uint32_t at = 0; at < side * side; ++at) {
+                const std::uint32_t u = steps.at((axis + 1) % 3);
+                const std::uint32_t v = steps.at((axis + 2) % 3);
+                const std::uint32_t low = box * side * layer + at / side * u + at % side * v;
+                const std::uint32_t high = low + side * steps.at(axis);
+                draft.triangles.insert(draft.triangles.end(),
+                                       {{low, low + v, low + u}, {low + u, low + v, low + u + v}});
+                draft.triangles.insert(draft.triangles.end(), {{high, high + u, high + v},
+                                                               {high + u, high + u + v, high + v}});
+            }
+        }
+    }
+    return draft;
+}
+
+TEST(MeshRepair, BringsBackSolidsWithAWallOfWhichTrianglesWereAddedAgain)
+{
+    const Draft truth = boxes_with_a_wall();
+    const MeshReport sound = report(truth);
+    ASSERT_TRUE(sound.closed && sound.consistently_oriented);
+    ASSERT_EQ(sound.find(FindingKind::duplicate_triangles)->count, 32U);
+    for (std::uint32_t seed = 0; seed < 200; ++seed) {
+        SCOPED_TRACE(seed);
+        std::mt19937 random(seed);
+        Draft draft = truth;
+        std::set<std::set<std::uint32_t>> chosen;
+        while (chosen.size() < 1 + seed % 12) { // each once more, either way round
+            TriangleCorners again = truth.triangles[random() % truth.triangles.size()];
+            if (!chosen.insert({again.begin(), again.end()}).second) continue;
+            if (random() % 2 == 0) std::swap(again[0], again[1]);
+            draft.triangles.push_back(again);
+        }
+        std::ranges::shuffle(draft.triangles, random);
+        const MeshRepair repair = repaired(draft.mesh());
+        EXPECT_EQ(count(repair, Kind::drop_duplicates), chosen.size());
+        const MeshReport after = report(repair.mesh);
+        EXPECT_TRUE(after.closed && after.consistently_oriented);
+        EXPECT_NEAR(after.signed_volume.value_or(0), *sound.signed_volume, 1e-9);
+        EXPECT_EQ(after.find(FindingKind::duplicate_triangles)->count, 32U);
+        expect_idempotent(repair, {});
+    }
+}
+
+TEST(MeshRepair, DropsSidesThatAreOpenAllRoundBeforeOthers)
+{
+    // Two tetrahedra with a wall between them, two faces of one of which are there again, turned
+    // over: two of the wall's three edges are open, too, and closed once these are single.
+    Draft draft;
+    draft.positions = {Vec3(0, 0, 0), Vec3(1, 0, 0), Vec3(0, 1, 0), Vec3(0, 0, 1), Vec3(0, 0, -1)};
+    draft.triangles = {{0, 2, 1}, {0, 1, 2}, {0, 1, 3}, {1, 2, 3}, {0, 3, 2},
+                       {0, 4, 1}, {1, 4, 2}, {0, 2, 4}, {0, 3, 1}, {1, 3, 2}};
+    for (const bool walls_last : {false, true}) {
+        if (walls_last) std::ranges::reverse(draft.triangles);
+        const MeshRepair repair = repaired(draft.mesh());
+        EXPECT_EQ(count(repair, Kind::drop_duplicates), 2U);
+        const MeshReport after = report(repair.mesh);
+        EXPECT_TRUE(after.closed);
+        // The faces that were turned over stay where they come first.
+        EXPECT_NE(after.consistently_oriented, walls_last);
+        if (!walls_last) {
+            EXPECT_NEAR(after.signed_volume.value_or(0), 1.0 / 3, 1e-12);
+        }
+    }
+}
+
+TEST(MeshRepair, KnowsCavitiesOfSolidsWithWalls)
+{
+    // In each box a cavity, in one of them a solid in the cavity, and one beside both boxes.
+    Draft draft = boxes_with_a_wall();
+    const auto add = [&](const Vec3& center, double size, bool inward) {
+        draft.add(inward ? inside_out(make_octahedron()) : make_octahedron(), center, size);
+    };
+    add({2.1, 2.2, 1.9}, 1.5, true);
+    add({6.1, 2.2, 1.9}, 1.5, true);
+    add({6.2, 2.1, 1.9}, 0.5, false);
+    add({2, 2, 9}, 2, false);
+    const TriangleMesh truth = draft.mesh();
+    const MeshRepair kept = repaired(truth);
+    EXPECT_TRUE(same_mesh(kept.mesh, repaired(truth, {.turn_outward = false}).mesh));
+    EXPECT_EQ(kept.cavities, 2U);
+    // And turned back where all of them face the other way.
+    for (std::size_t i = 384; i < draft.triangles.size(); ++i)
+        std::swap(draft.triangles[i][1], draft.triangles[i][2]);
+    const MeshRepair turned = repaired(draft.mesh());
+    EXPECT_EQ(count(turned, Kind::turn_outward), 4U);
+    EXPECT_EQ(turned.cavities, 2U);
+    EXPECT_EQ(*report(turned.mesh).signed_volume, *report(truth).signed_volume);
+    // All of them are solids where that is asked for.
+    EXPECT_EQ(count(repaired(truth, {.keep_cavities = false}), Kind::turn_outward), 2U);
+    // Boxes without a corner, or with a hole, enclose nothing: only the solid in one of the others is left.
+    Draft broken = draft;
+    broken.positions[0].x() = nan_value;
+    EXPECT_EQ(repaired(broken.mesh(), {.drop_non_finite = false}).cavities, 1U);
+    draft.triangles.erase(draft.triangles.begin());
+    EXPECT_EQ(repaired(draft.mesh()).cavities, 1U);
+}
+
+TEST(MeshRepair, KeepsSidesOfSolidsThatFillACavity)
+{
+    // One solid becomes a void, as its surface is two-sided throughout; two with a wall between
+    // them do not, which would leave edges of three.
+    const TriangleMesh boxes = boxes_with_a_wall().mesh();
+    Draft filled;
+    filled.positions.assign(boxes.positions().begin(), boxes.positions().end());
+    for (const TriangleCorners& corners : boxes.triangles()) filled.triangles.push_back(corners);
+    const std::size_t inner = filled.triangles.size();
+    for (std::size_t i = 0; i < inner; ++i) {
+        const auto [a, b, c] = filled.triangles[i];
+        const bool is_wall = filled.positions[a].x() == 4 && filled.positions[b].x() == 4 &&
+                             filled.positions[c].x() == 4;
+        if (!is_wall) filled.triangles.push_back({a, c, b});
+    }
+    filled.add(make_cube(), Vec3(4, 2, 2), 20);
+    const MeshReport before = report(filled);
+    ASSERT_TRUE(before.closed && before.consistently_oriented);
+    const MeshRepair repair = repaired(filled.mesh());
+    EXPECT_EQ(count(repair, Kind::drop_duplicates), 0U);
+    EXPECT_NEAR(*report(repair.mesh).signed_volume, *before.signed_volume, 1e-9);
 }
 
 TEST(MeshRepair, KeepsOneOfTwoSidesThatAreAllThereIs)

@@ -33,11 +33,17 @@ private:
     double size_;
 };
 
-bool is_right(const ClosestFeature& found, const ClosestFeature& right, double rounding)
+/// How far the answer is, also where no double holds the square.
+double distance_of(const ClosestFeature& answer, const Vec3& p) noexcept
 {
-    const double gap = std::sqrt(found.squared_distance) - std::sqrt(right.squared_distance);
-    const bool are_infinite = found.squared_distance == right.squared_distance; // or no gap
-    return (are_infinite || std::abs(gap) <= rounding) &&
+    const bool holds_square = answer.squared_distance > 1e-280 && answer.squared_distance < 1e300;
+    return holds_square ? std::sqrt(answer.squared_distance) : length_of(p - answer.point);
+}
+
+bool is_right(const ClosestFeature& found, const ClosestFeature& right, const Vec3& p,
+              double rounding)
+{
+    return std::abs(distance_of(found, p) - distance_of(right, p)) <= rounding &&
            (found.feature != right.feature || found.triangle == right.triangle);
 }
 
@@ -62,7 +68,7 @@ Status check_answers(const MeshIndex& index, const TriangleMesh& mesh, const Top
         const ClosestFeature found = closest_feature(index, p).value_or(no_closest_feature());
         const ClosestFeature right = closest_feature_by_brute_force(mesh, topology, p);
         advance_stage(options.execution.progress, 1);
-        if (is_right(found, right, rounding.of(p))) return {};
+        if (is_right(found, right, p, rounding.of(p))) return {};
         return fail(
             ErrorCode::broken_invariant,
             concat("the index answers ", text_of(found), ", the closest is ", text_of(right)),
