@@ -290,7 +290,8 @@ TEST(MeshRepair, ReportsEachStageToItsEnd)
     }
     for (const char* const stage : {"welding vertices", "finding duplicate triangles"})
         EXPECT_TRUE(farthest.contains(stage)) << stage; // told in blocks of more steps than these
-    for (const char* const stage : {"dropping triangles", "turning pieces outward", "making mesh"})
+    for (const char* const stage :
+         {"dropping triangles", "choosing sides of walls", "turning pieces outward", "making mesh"})
         EXPECT_EQ(farthest[stage], 1) << stage;
 }
 
