@@ -352,9 +352,10 @@ private:
             Size& size = sizes[sets.find(i)];
             ++size.triangles;
             const Triangle one = triangle_at(i);
-            if (is_finite(one))
+            if (is_finite(one)) {
                 size.area +=
                     length_of((scale * (one[1] - one[0])).cross(scale * (one[2] - one[0])));
+            }
             largest = std::max(largest, size.area);
         }
         for (std::uint32_t i = 0; i < surface.triangle_count(); ++i) {

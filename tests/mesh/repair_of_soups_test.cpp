@@ -85,10 +85,14 @@ void drop_duplicates(SlowRepair& slow, const std::set<Names>& two_sided)
         }
         dropped.merge(all);
     }
-    for (auto place = dropped.rbegin(); place != dropped.rend(); ++place) {
-        slow.triangles.erase(slow.triangles.begin() + static_cast<std::ptrdiff_t>(*place));
-        slow.corners.erase(slow.corners.begin() + static_cast<std::ptrdiff_t>(*place));
+    std::size_t kept = 0;
+    for (std::size_t i = 0; i < slow.triangles.size(); ++i) {
+        if (dropped.contains(i)) continue;
+        slow.triangles[kept] = slow.triangles[i];
+        slow.corners[kept++] = slow.corners[i];
     }
+    slow.triangles.resize(kept);
+    slow.corners.resize(kept);
 }
 
 /// Sets that meet at edges of no other set, as connected ones.
