@@ -12,10 +12,10 @@ namespace proxima::detail {
 
 namespace {
 
-/// Of a set that faces both ways: the triangle that stays, and the one that may.
+/// Two triangles of the same vertices that face each other.
 struct TwoSides {
-    std::uint32_t kept = 0;
-    std::uint32_t opposite = 0;
+    std::uint32_t kept = 0;     ///< stays in any case
+    std::uint32_t opposite = 0; ///< stays where both sides do
 };
 
 /// Decides of which sets both sides stay.
@@ -49,7 +49,7 @@ public:
 private:
     static constexpr std::uint32_t no_pair = ~std::uint32_t{0};
 
-    /// An edge where the number of triangles of a group is odd, one for each set.
+    /// An edge that has an odd number of the group's sets.
     struct Border {
         std::uint32_t group = 0;
         std::uint32_t edge = 0;

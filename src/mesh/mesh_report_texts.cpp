@@ -37,8 +37,8 @@ constexpr std::array<Words, 15> finding_words = {{
     {"duplicate_triangles", Severity::warning,
      "these triangles have the vertices of an earlier one: octree lists and intersection pairs "
      "hold both, and rays and closest features name the lower id; those that face each other "
-     "cancel "
-     "out in winding numbers, those that face one way spoil signs and inner and outer cells there"},
+     "cancel out in winding numbers, those that face one way spoil signs and inner and outer cells "
+     "there"},
     {"coincident_triangles", Severity::warning,
      "these triangles lie exactly on an earlier one with vertices of their own: octree lists and "
      "intersection pairs hold both, and rays and closest features name the lower id; those that "

@@ -48,7 +48,6 @@ TEST(CheckAnswers, KnowsRoundingFromWrongAnswers)
 {
     const TriangleMesh mesh = sample_mesh("icosphere:2").value();
     const Topology topology = build_topology(mesh).value();
-    const MeshIndex index = testing::listed_index(mesh).value();
     const auto is_sound = [&](double grown, double distance, double scale) {
         const auto resized = [](double size) {
             return [=](const Vec3& p) -> Vec3 { return size * p; };
