@@ -2,9 +2,9 @@
 
 #include "base/simd.h"
 #include "cli/interrupt.h"
-#include "cli/model_options.h"
 #include "cli/names.h"
 #include "cli/number_checks.h"
+#include "cli/read_model.h"
 #include "cli/session.h"
 #include "cli/stderr_text.h"
 
@@ -221,6 +221,8 @@ int parse_and_run(int argc, char** argv, const char* version, std::span<const Ad
     CommonOptions options;
     std::vector<Command> commands;
     for (const AddCommand add : adders) commands.push_back(add(app));
+    // After them, for they would take it over.
+    app.footer("proxima help SUBCOMMAND says what it does and takes.");
     for (const Command& command : commands) {
         add_common_options(*command.parser, options);
         read_whole_numbers_as_decimal(*command.parser);
@@ -234,9 +236,12 @@ int parse_and_run(int argc, char** argv, const char* version, std::span<const Ad
     names.reserve(commands.size());
     for (const Command& command : commands) names.push_back(command.parser->get_name());
     std::vector<const char*> arguments(argv, argv + argc);
-    if (argc > 1 && std::string_view(argv[1]) == "help") { // "help closest" is "closest --help"
-        arguments.erase(arguments.begin() + 1);
-        if (argc == 2 || std::ranges::find(names, argv[2]) != names.end())
+    const auto first_is_help = [&] {
+        return arguments.size() > 1 && std::string_view(arguments[1]) == "help";
+    };
+    if (first_is_help()) { // "help closest" is "closest --help"
+        while (first_is_help()) arguments.erase(arguments.begin() + 1);
+        if (arguments.size() == 1 || std::ranges::find(names, arguments[1]) != names.end())
             arguments.push_back("--help");
     }
     const auto asked_for = [](const Command& command) { return command.parser->parsed(); };

@@ -81,13 +81,6 @@ void refuse_cell_options(const CLI::App& parser, std::string_view what_they_go_w
     }
 }
 
-bool may_be_of_points(const std::string& model, const TriangleMesh& mesh)
-{
-    const std::string extension = lower_case_extension(model);
-    return mesh.triangle_count() == 0 && mesh.vertex_count() > 0 &&
-           (extension == ".obj" || extension == ".ply" || extension == ".off");
-}
-
 Vec3 up_axis_of_model(const std::string& model)
 {
     const bool is_z = is_sample_mesh_name(model) || lower_case_extension(model) == ".3ds";

@@ -4,7 +4,6 @@
 #include "proxima/geometry.h"
 #include "proxima/octree.h"
 #include "proxima/result.h"
-#include "proxima/triangle_mesh.h"
 
 #include <cstdint>
 #include <string>
@@ -34,10 +33,6 @@ void add_method_option(CLI::App& parser, OverlapMethod& method);
 /// --budget-mb N, of 10^6 bytes; `description` says of what, and what is used without it.
 CLI::Option* add_budget_option(CLI::App& parser, std::uint64_t& megabytes,
                                const std::string& description);
-
-/// Whether the file has no triangles but perhaps points or lines, which --points-and-lines reads.
-[[nodiscard]] bool may_be_of_points(const std::string& model, const TriangleMesh& mesh);
-inline constexpr std::string_view points_hint = "; --points-and-lines reads points and lines";
 
 /// --lists-mb N: lists of closest features of so many 10^6 bytes at most.
 CLI::Option* add_list_budget_option(CLI::App& parser, std::uint64_t& megabytes);

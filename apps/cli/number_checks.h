@@ -41,6 +41,10 @@ inline CLI::Validator decimal()
     return {[](std::string& text) {
                 if (text.find_first_of("xX") != std::string::npos)
                     return fmt::format("{} is no decimal number", text);
+                double number = 0; // unlike 1-6, which some options take
+                if (CLI::detail::lexical_cast(text, number) &&
+                    text.find_first_of(".eEnN") != std::string::npos)
+                    return fmt::format("{} is no whole number", text);
                 while (text.size() > 1 && text[0] == '0' &&
                        std::isdigit(static_cast<unsigned char>(text[1])) != 0)
                     text.erase(0, 1);

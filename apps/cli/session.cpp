@@ -1,12 +1,8 @@
 #include "cli/session.h"
 
-#include "base/file_extension.h"
 #include "base/text.h"
-#include "cli/model_options.h"
 #include "cli/names.h"
-#include "proxima/index_io.h"
-#include "proxima/mesh_index.h"
-#include "proxima/mesh_io.h"
+#include "cli/read_model.h"
 #include "proxima/sample_meshes.h"
 
 #include <algorithm>
@@ -23,19 +19,6 @@
 namespace proxima {
 
 namespace {
-
-/// "sphere:10x10" of "spher:10x10"; empty where no built-in has a name like it.
-std::string similar_sample_mesh(const std::string& model)
-{
-    std::vector<std::string> names;
-    for (const std::string& form : split_list(sample_mesh_names())) {
-        names.push_back(
-            form.substr(form.find_first_not_of(' '), form.find(':') - form.find_first_not_of(' ')));
-    }
-    const std::size_t colon = std::min(model.find(':'), model.size());
-    const std::string name = similar_word(std::string_view(model).substr(0, colon), names);
-    return name.empty() ? name : name + model.substr(colon);
-}
 
 /// One text for all names of a file, whether it exists or not.
 std::string true_path(const std::string& path)
@@ -126,26 +109,12 @@ Status finish_stdout()
 Result<TriangleMesh> Session::load_model(const std::string& model)
 {
     const ProgressBar shown(progress_, bar());
-    if (is_sample_mesh_name(model)) return sample_mesh(model, {.execution = execution()});
-    if (lower_case_extension(model) == ".pxi") {
-        const auto index = load_index(model, {.execution = execution()});
-        if (!index) return tl::unexpected(index.error());
-        auto mesh = mesh_of(*index);
-        if (!mesh) return fail(ErrorCode::malformed_file, describe(mesh.error()), model);
-        return mesh;
-    }
-    auto mesh = read_mesh(model, {.primitives = primitives(), .execution = execution()});
-    if (mesh && primitives() == Primitives::triangles && may_be_of_points(model, *mesh)) {
+    auto mesh = read_model(model, primitives(), execution());
+    if (mesh && may_be_of_points(model, primitives(), *mesh)) {
         found_only_points_ = true;
         note(concat(model, " has no triangles", points_hint));
     }
-    std::error_code error;
-    if (mesh || std::filesystem::exists(model, error)) return mesh;
-    const std::string built_in = similar_sample_mesh(model);
-    if (built_in.empty()) return mesh;
-    return fail(mesh.error().code,
-                concat(mesh.error().message, "; did you mean the built-in ", built_in, "?"),
-                mesh.error().where);
+    return mesh;
 }
 
 Result<NumberTable> Session::load_table(const std::string& path, const TableForm& form)

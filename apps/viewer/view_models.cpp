@@ -1,16 +1,14 @@
 #include "viewer/view_models.h"
 
-#include "base/file_extension.h"
 #include "base/memory_budget.h"
 #include "base/progress.h"
 #include "base/text.h"
 #include "cli/model_options.h"
+#include "cli/read_model.h"
 #include "proxima/cast_ray.h"
 #include "proxima/execution.h"
-#include "proxima/index_io.h"
 #include "proxima/mesh_index.h"
 #include "proxima/mesh_io.h"
-#include "proxima/sample_meshes.h"
 #include "viewer/scene_shapes.h"
 
 #include <algorithm>
@@ -33,18 +31,6 @@ std::shared_ptr<const DrawnScene> surface_scene(const TriangleMesh& mesh, const 
     auto scene = std::make_shared<DrawnScene>();
     add_mesh(*scene, mesh, {.name = "mesh", .color = color, .smoothing = smoothing});
     return scene;
-}
-
-Result<TriangleMesh> read_model(const std::string& name, Primitives primitives,
-                                const Execution& context)
-{
-    if (is_sample_mesh_name(name)) return sample_mesh(name, {.execution = context});
-    if (lower_case_extension(name) == ".pxi") {
-        const auto index = load_index(name, {.execution = context});
-        if (!index) return tl::unexpected(index.error());
-        return mesh_of(*index);
-    }
-    return read_mesh(name, {.primitives = primitives, .execution = context});
 }
 
 /// The edge of an equilateral triangle as large as they are on average.
@@ -115,8 +101,7 @@ Result<ViewModels> load_view_models(std::span<const std::string> names, Primitiv
     for (const std::string& name : names) {
         auto mesh = read_model(name, primitives, context);
         if (!mesh) return tl::unexpected(mesh.error());
-        const bool may_be_points =
-            primitives == Primitives::triangles && may_be_of_points(name, *mesh);
+        const bool may_be_points = may_be_of_points(name, primitives, *mesh);
         auto model = make_view_model(name, std::move(*mesh), up.value_or(up_axis_of_model(name)),
                                      models.size(), context);
         if (!model) {

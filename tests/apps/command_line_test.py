@@ -428,6 +428,8 @@ class Parser(ProgramTest):
         self.assertIn("--threshold", self.succeed("octree", "--help"))
         self.assertEqual(self.succeed("help", "octree"), self.succeed("octree", "--help"))
         self.assertEqual(self.succeed("help"), self.succeed("--help"))
+        self.assertEqual(self.succeed("help", "help"), self.succeed("--help"))
+        self.assertIn("proxima help SUBCOMMAND", self.succeed("--help"))
         self.refuse("help", "octre", status=2, says=("octre is no command", "did you mean octree?"))
         self.assertRegex(self.succeed("--version"), r"^\d+\.\d+\.\d+\ninstruction sets here, the best first:( \w+)+\n$")
 
@@ -453,7 +455,9 @@ class Parser(ProgramTest):
         self.refuse("compare", "cube", "--depths", "5-1", status=2, says=("5-1", "list of depths"))
         self.refuse("compare", "cube", "--methods", "fast,,pairwise", status=2, says="--methods")
         self.refuse("tables", "--only", "9.9", status=2, says=("9.9", "2.1"))
-        self.refuse("octree", "cube", "--threads", -1, status=2, says="--threads")
+        self.refuse("octree", "cube", "--threads", -1, status=2, says=("--threads", "range"))
+        for number in ("1.5", "1e2", "nan", "inf"):
+            self.refuse("octree", "cube", "--threads", number, status=2, says=f"--threads: {number} is no whole number")
         for option, value in (("--size", "10x10"), ("--view", "top"), ("--eye", "9,9,9"), ("--target", "0,0,0"), ("--up", "x"), ("--fov", 20)):
             self.refuse("octree", "cube", option, value, status=2, says=f"{option} requires --picture")
 
@@ -484,6 +488,12 @@ class Views(ProgramTest):
                 done = run(*command, alone)
                 self.assertRegex(done.stderr, "^proxima: .*no triangles.*--points-and-lines reads points and lines\n$")
         self.assertEqual(self.succeed("octree", alone, "--points-and-lines").count("1 triangles"), 1)
+        nothing = self.file("nothing.off", "OFF\n0 0 0\n")
+        for command in (("intersect",), ("deviation",), ("contacts",), ("view", "--picture", self.folder / "a.png")):
+            with self.subTest(command):  # the file at fault is the other one
+                done = run(*command, nothing, alone)
+                self.assertRegex(done.stderr, "^proxima: .*nothing.off: ")
+                self.assertNotIn("--points-and-lines", done.stderr)
 
     def test_progress_is_shown_where_asked_for(self):
         done = run("view", "icosphere:7", "--panel", "octree", "--size", "60x60", "--picture", self.folder / "a.png", "--progress")

@@ -148,10 +148,11 @@ void PlacedPoint::offer(Controls& controls, std::string_view name, const ViewMod
         const auto k = static_cast<std::size_t>(axis);
         if (!controls.number(concat(name, axes[k]), at[axis], least, most)) continue;
         // The others stay where they are seen.
-        if (box.empty())
+        if (box.empty()) {
             is_set[k] = true;
-        else
+        } else {
             is_set.fill(true);
+        }
     }
 }
 

@@ -3,14 +3,16 @@
 
 #include <algorithm>
 #include <cmath>
+#include <string>
+#include <utility>
 
 namespace proxima {
 
 namespace {
 
-tl::unexpected<Error> bad_grid(const char* what, const char* where)
+tl::unexpected<Error> bad_grid(std::string what, const char* where)
 {
-    return fail(ErrorCode::invalid_argument, what, where);
+    return fail(ErrorCode::invalid_argument, std::move(what), where);
 }
 
 } // namespace
@@ -41,17 +43,16 @@ Result<PointGrid> grid_around(const Box& box, const GridOptions& options)
         counts[axis] = std::max(std::ceil(steps * (1 - 0x1p-40)), 1.0) + 1;
         points *= counts[axis];
     }
+    const char* const chosen = options.spacing > 0 ? "spacing" : "resolution";
     if (!(points <= static_cast<double>(max_grid_points))) {
-        return fail(
-            ErrorCode::invalid_argument,
+        return bad_grid(
             concat("a spacing of ", grid.spacing, " makes ", points, " points: 2^40 are the most"),
-            "spacing");
+            chosen);
     }
     const Vec3 middle = box.center();
     for (std::size_t axis = 0; axis < 3; ++axis) {
         const auto k = static_cast<Eigen::Index>(axis);
-        if (counts[axis] > 0x1p31)
-            return bad_grid("more than 2^31 points along an axis", "spacing");
+        if (counts[axis] > 0x1p31) return bad_grid("more than 2^31 points along an axis", chosen);
         grid.size[axis] = static_cast<std::uint32_t>(counts[axis]);
         grid.origin[k] = middle[k] - 0.5 * grid.spacing * (counts[axis] - 1);
     }
