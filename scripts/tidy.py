@@ -31,6 +31,8 @@ ANALYZER = "clang-analyzer-*"
 # What sources in one may do, as each source of its own may: declare and include again, and hide the names of another.
 BETWEEN_SOURCES = ["readability-redundant-declaration", "readability-duplicate-include", "bugprone-suspicious-include"]
 HIDING = "-Wno-shadow"
+# What each fuzzer has one of, so that those in one file get names of their own. Programs cannot: rules ask more of main().
+FUZZER = "LLVMFuzzerTestOneInput"
 # What tests may do: be slow, and be plain about numbers, bytes and odd characters.
 IN_TESTS = ["performance-*", "modernize-use-emplace", "modernize-use-auto", "modernize-pass-by-value",
             "bugprone-integer-division", "bugprone-narrowing-conversions", "bugprone-misplaced-widening-cast",
@@ -80,8 +82,16 @@ class Paste:
         self.lines = [(sources[0], 0)]  # of each pasted line: its source and its number there
         if len(sources) == 1:
             return
-        texts = [source.read_text().splitlines() for source in sources]
-        self.lines = [(source, number) for source, text in zip(sources, texts) for number in range(1, len(text) + 1)]
+        texts = []
+        self.lines = []
+        for name, source in enumerate(sources):
+            text = source.read_text().splitlines()
+            numbers = list(range(1, len(text) + 1))
+            if any(FUZZER in line for line in text):
+                text = [f"#define {FUZZER} fuzz_one_input_{name}", *text, f"#undef {FUZZER}"]
+                numbers = [1, *numbers, numbers[-1]]
+            self.lines += [(source, number) for number in numbers]
+            texts.append(text)
         own = own_rules(sources[0])
         if own:  # clang-tidy looks for them in the folders above the file
             place = place / own.parent.name
@@ -155,7 +165,7 @@ def guilty_of(sources, found):
 def can_be_joined(source):
     """Sources that include themselves for each instruction set cannot."""
     text = source.read_text()
-    return "HWY_TARGET_INCLUDE" not in text and "LLVMFuzzerTestOneInput" not in text and "int main(" not in text
+    return "HWY_TARGET_INCLUDE" not in text and "int main(" not in text
 
 
 def batches_of(sources, commands):
