@@ -10,6 +10,7 @@
 #include <array>
 #include <fmt/core.h>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -44,6 +45,14 @@ Result<TouchBody> load_body(const std::string& name, const TouchBodyOptions& opt
     }();
     if (!body) return at_model(body.error(), name);
     return body;
+}
+
+/// In the words of the report's first lines, which say what an object without a material has.
+std::string words_of(const std::optional<SurfaceMaterial>& material)
+{
+    if (!material) return {};
+    return fmt::format(", K {:g} N/m, B {:g} N s/m, friction {:g} and {:g}", material->stiffness,
+                       material->damping, material->static_friction, material->dynamic_friction);
 }
 
 std::string words_of(const ObjectScript& script)
@@ -142,9 +151,10 @@ std::string objects_text(const TouchModel& model, const QualityReport& quality)
         const SceneObject there =
             moving_surface(model.scene->scene()).object(ObjectId{static_cast<std::uint32_t>(i)});
         text += fmt::format(
-            "  {} {}: {} triangles, {}; touched in {} ticks, surface at most {:.3f} "
+            "  {} {}: {} triangles{}, {}; touched in {} ticks, surface at most {:.3f} "
             "m/s\n",
             i, model.object_names[i], there.body->mesh().triangle_count(),
+            words_of(model.scene->objects()[i].material),
             words_of(model.scene->objects()[i].script), object.touching_ticks, object.max_carrying);
     }
     return text;

@@ -36,14 +36,19 @@ class Scenes(ProgramTest):
         self.assertGreater(min(touched), 100)
 
     def test_objects_are_as_they_were_asked_for(self):
-        report = self.json_of("touch", *SCENE, *PLACES, *MOTIONS, "--material", "1=200,0.5,0.2", "--material", "0=150",
-                              "--damping", 2, "--device", "hand:press", "--seconds", 0.1, "--free-running")
+        asked = ("touch", *SCENE, *PLACES, *MOTIONS, "--material", "1=200,0.5,0.2", "--material", "0=150",
+                 "--damping", 2, "--device", "hand:press", "--seconds", 0.1, "--free-running")
+        report = self.json_of(*asked)
         cube, ball, ring = report["objects"]
         self.assertEqual([row["model"] for row in report["objects"]], [SCENE[0], SCENE[2], SCENE[4]])
         self.assertEqual(ball["material"], {"stiffness": 200, "damping": 0.5, "static_friction": 0.2,
                                             "dynamic_friction": 0.75 * 0.2})
         self.assertEqual((cube["material"]["stiffness"], cube["material"]["damping"]), (150, 2))
         self.assertIsNone(ring["material"])
+        lines = [line for line in self.succeed(*asked).splitlines() if " triangles, " in line]
+        self.assertIn(" triangles, K 150 N/m, B 2 N s/m, friction ", lines[0])
+        self.assertIn(" triangles, K 200 N/m, B 0.5 N s/m, friction 0.2 and 0.15, swings", lines[1])
+        self.assertIn(" triangles, spins", lines[2])
         self.assertEqual(ball["pose"], [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 2.2])
         for is_, should in zip(ring["pose"], [1, 0, 0, 2.6, 0, 0, -1, 0, 0, 1, 0, 0]):
             self.assertAlmostEqual(is_, should)
