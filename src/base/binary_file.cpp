@@ -6,7 +6,6 @@
 #include "base/text.h"
 
 #include <algorithm>
-#include <bit>
 #include <cstdint>
 #include <cstring>
 // The state of a running checksum lies on the stack.
@@ -293,7 +292,7 @@ Result<BinaryFile> BinaryFile::read(std::span<const std::byte> bytes,
     const auto refuse = [&](ErrorCode code, std::string message) {
         return fail(code, std::move(message), name);
     };
-    if (std::bit_cast<std::uintptr_t>(bytes.data()) % section_alignment != 0) {
+    if (reinterpret_cast<std::uintptr_t>(bytes.data()) % section_alignment != 0) {
         return refuse(ErrorCode::invalid_argument,
                       concat("the bytes must begin at a multiple of ", section_alignment,
                              ": copy them to such a place"));
