@@ -47,9 +47,10 @@ bool PolygonTriangulator::triangulate(std::span<const std::uint32_t> corners,
     PROXIMA_CHECK_GE(corners.size(), 3U);
     PROXIMA_CHECK_EQ(triangles.size() + 2, corners.size());
     double extent = 0;
-    for (const std::uint32_t corner : corners)
+    for (const std::uint32_t corner : corners) {
         extent =
             std::max(extent, (positions[corner] - positions[corners[0]]).cwiseAbs().maxCoeff());
+    }
     // Products of four lengths are compared.
     const bool has_products = extent > 0x1p-200 && extent < 0x1p200;
     if (corners.size() == 3 || has_products || !(extent > 0) || !std::isfinite(extent))
