@@ -57,9 +57,10 @@ TEST_F(FigurePages, LongTitlesStayAboveTheirPanels)
         EXPECT_TRUE(picture);
         // Panels are at 12 to 72 and at 84 to 144, from 46 downward.
         int inked = 0;
-        for (int y = 0; y < 46; ++y)
+        for (int y = 0; y < 46; ++y) {
             for (int x = 73; x < 84; ++x)
                 if (picture->pixel(x, y) != picture->pixel(0, 0)) ++inked;
+        }
         return inked;
     };
     EXPECT_EQ(ink_in_gap("a title of some forty letters, or of more"), 0);

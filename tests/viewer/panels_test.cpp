@@ -354,9 +354,10 @@ TEST(Panels, CutPlaneTakesAwayTheSideOfTheEye)
             for (const SceneSurface& surface : shown.scene().surfaces) {
                 if (surface.name != "mesh") continue;
                 ASSERT_FALSE(surface.triangles.empty());
-                for (const TriangleCorners& corners : surface.triangles)
+                for (const TriangleCorners& corners : surface.triangles) {
                     for (const std::uint32_t corner : corners)
                         EXPECT_GE(side * normal.dot(surface.positions[corner]), -1e-12) << axis;
+                }
             }
         }
     }

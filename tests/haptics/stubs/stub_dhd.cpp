@@ -67,9 +67,10 @@ bool dhdHasWrist(char)
 int dhdGetOrientationFrame(double frame[3][3], char)
 {
     if (!is_open || stub::unplugged(stub_state)) return -1;
-    for (int row = 0; row < 3; ++row)
+    for (int row = 0; row < 3; ++row) {
         for (int column = 0; column < 3; ++column)
             frame[row][column] = stub::turned(stub_state, row, column);
+    }
     return 0;
 }
 #endif
