@@ -488,6 +488,7 @@ class Views(ProgramTest):
                 done = run(*command, alone)
                 self.assertRegex(done.stderr, "^proxima: .*no triangles.*--points-and-lines reads points and lines\n$")
         self.assertEqual(self.succeed("octree", alone, "--points-and-lines").count("1 triangles"), 1)
+        self.refuse("view", "spher:10x10", "--picture", self.folder / "a.png", says="did you mean the built-in sphere:10x10?")
         nothing = self.file("nothing.off", "OFF\n0 0 0\n")
         for command in (("intersect",), ("deviation",), ("contacts",), ("view", "--picture", self.folder / "a.png")):
             with self.subTest(command):  # the file at fault is the other one
