@@ -491,7 +491,7 @@ class Views(ProgramTest):
         self.refuse("view", "spher:10x10", "--picture", self.folder / "a.png", says="did you mean the built-in sphere:10x10?")
         nothing = self.file("nothing.off", "OFF\n0 0 0\n")
         for command in (("intersect",), ("deviation",), ("contacts",), ("view", "--picture", self.folder / "a.png")):
-            with self.subTest(command):  # the file at fault is the other one
+            with self.subTest(command):  # a file without anything is none of points
                 done = run(*command, nothing, alone)
                 self.assertRegex(done.stderr, "^proxima: .*nothing.off: ")
                 self.assertNotIn("--points-and-lines", done.stderr)
