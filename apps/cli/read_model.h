@@ -1,4 +1,4 @@
-// The mesh of a MODEL, for all programs.
+// The mesh of a MODEL, for commands and the viewer.
 #pragma once
 
 #include "proxima/execution.h"

@@ -47,14 +47,6 @@ Result<TouchBody> load_body(const std::string& name, const TouchBodyOptions& opt
     return body;
 }
 
-/// In the words of the report's first lines, which say what an object without a material has.
-std::string words_of(const std::optional<SurfaceMaterial>& material)
-{
-    if (!material) return {};
-    return fmt::format(", K {:g} N/m, B {:g} N s/m, friction {:g} and {:g}", material->stiffness,
-                       material->damping, material->static_friction, material->dynamic_friction);
-}
-
 std::string words_of(const ObjectScript& script)
 {
     const Vec3& v = script.along;
@@ -140,6 +132,12 @@ Result<std::unique_ptr<TouchModel>> load_touch_scene(const ScenePlan& plan, Forc
     return model;
 }
 
+std::string in_words(const SurfaceMaterial& material)
+{
+    return fmt::format("K {:g} N/m, B {:g} N s/m, friction {:g} and {:g}", material.stiffness,
+                       material.damping, material.static_friction, material.dynamic_friction);
+}
+
 std::string objects_text(const TouchModel& model, const QualityReport& quality)
 {
     if (model.scene == nullptr) return {};
@@ -148,14 +146,15 @@ std::string objects_text(const TouchModel& model, const QualityReport& quality)
                     quality.objects.size(), quality.moving_ticks, quality.squeezed_ticks);
     for (std::size_t i = 0; i < quality.objects.size(); ++i) {
         const ObjectQuality& object = quality.objects[i];
+        const ScriptedObject& scripted = model.scene->objects()[i];
         const SceneObject there =
             moving_surface(model.scene->scene()).object(ObjectId{static_cast<std::uint32_t>(i)});
-        text += fmt::format(
-            "  {} {}: {} triangles{}, {}; touched in {} ticks, surface at most {:.3f} "
-            "m/s\n",
-            i, model.object_names[i], there.body->mesh().triangle_count(),
-            words_of(model.scene->objects()[i].material),
-            words_of(model.scene->objects()[i].script), object.touching_ticks, object.max_carrying);
+        text +=
+            fmt::format("  {} {}: {} triangles{}, {}; touched in {} ticks, surface at most {:.3f} "
+                        "m/s\n",
+                        i, model.object_names[i], there.body->mesh().triangle_count(),
+                        scripted.material ? ", " + in_words(*scripted.material) : "",
+                        words_of(scripted.script), object.touching_ticks, object.max_carrying);
     }
     return text;
 }

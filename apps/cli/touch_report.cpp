@@ -160,16 +160,17 @@ std::string touch_text(const TouchReportOf& of, const TouchModel& model, const T
 {
     const QualityReport& quality = result.quality;
     const RenderOptions& render = result.render_options;
-    std::string text = fmt::format(
-        "{}: {} triangles\n"
-        "{}: {} ticks by {}, K {:g} N/m, B {:g} N s/m, friction {:g} and {:g}, radius {:g} m\n"
-        "touching {:.1f} %; force at most {:.3f} N, depth {:.2f} mm\n"
-        "passed through the surface {}\n",
-        of.model, model.surface.mesh.triangle_count(), of.device, quality.ticks,
-        result.law == ForceLaw::penalty ? "penalty forces" : "a proxy", render.force.stiffness,
-        render.force.damping, render.static_friction, render.dynamic_friction, render.proxy_radius,
-        percent(quality.touching_ticks, quality.ticks), quality.max_force, 1e3 * quality.max_depth,
-        times(quality.passes));
+    std::string text =
+        fmt::format("{}: {} triangles\n"
+                    "{}: {} ticks by {}, {}, radius {:g} m\n"
+                    "touching {:.1f} %; force at most {:.3f} N, depth {:.2f} mm\n"
+                    "passed through the surface {}\n",
+                    of.model, model.surface.mesh.triangle_count(), of.device, quality.ticks,
+                    result.law == ForceLaw::penalty ? "penalty forces" : "a proxy",
+                    in_words(SurfaceMaterial{render.force.stiffness, render.force.damping,
+                                             render.static_friction, render.dynamic_friction}),
+                    render.proxy_radius, percent(quality.touching_ticks, quality.ticks),
+                    quality.max_force, 1e3 * quality.max_depth, times(quality.passes));
     text += of.verbose ? counters_text(model, result) : guards_text(result);
     text += swings_text(result.swings, render.guard, quality.ticks, result.session_seconds);
     text += texture_text(render.texture, result.texture);

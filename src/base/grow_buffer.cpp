@@ -115,6 +115,7 @@ void* resize_memory(void* memory, std::size_t old_bytes, std::size_t bytes)
     if (!was_pages && !is_pages) return resize_heap(memory, bytes);
     if (was_pages && is_pages) {
         const std::size_t mapped = mapped_bytes(bytes);
+        if (mapped == mapped_bytes(old_bytes)) return memory;
         void* const moved = mremap(memory, mapped_bytes(old_bytes), mapped, MREMAP_MAYMOVE);
         if (moved == MAP_FAILED) throw std::bad_alloc();
         (void)madvise(moved, mapped, MADV_HUGEPAGE);

@@ -1,14 +1,13 @@
-#include "base/disjoint_sets.h"
 #include "base/memory_budget.h"
 #include "base/parallel.h"
 #include "base/progress.h"
 #include "geometry/exact_predicates.h"
-#include "geometry/length.h"
 #include "mesh/coincidence.h"
 #include "mesh/duplicate_triangles.h"
 #include "mesh/equal_items.h"
 #include "mesh/near_vertices.h"
 #include "mesh/nesting.h"
+#include "mesh/small_components.h"
 #include "mesh/surface_parts.h"
 #include "mesh/surface_pieces.h"
 #include "mesh/vertex_table.h"
@@ -281,7 +280,12 @@ private:
         if (!topology) return tl::unexpected(topology.error());
         const std::vector<EdgeUse> uses = edge_uses(*surface, *topology);
 
-        const std::vector<std::uint8_t> kept = large_components(*surface, *topology);
+        std::vector<std::uint8_t> kept(triangles_.size(), 1);
+        if (does(RepairStepKind::drop_small_components)) {
+            count_of(RepairStepKind::drop_small_components) =
+                detail::drop_small_components(*surface, *topology, options_.min_component_triangles,
+                                              options_.min_component_area, kept);
+        }
         if (is_cancelled(progress_)) return cancelled(work_name);
         if (by_piece) {
             Status oriented = orient(*surface, *topology, uses, kept);
@@ -322,62 +326,6 @@ private:
             for (std::uint32_t& corner : corners) corner = number[corner];
         }
         return kept;
-    }
-
-    /// 1 for the triangles of components that are large enough, and for those that are in none.
-    [[nodiscard]] std::vector<std::uint8_t> large_components(const TriangleMesh& surface,
-                                                             const Topology& topology)
-    {
-        std::vector<std::uint8_t> kept(surface.triangle_count(), 1);
-        if (!does(RepairStepKind::drop_small_components)) return kept;
-        DisjointSets sets(surface.triangle_count());
-        for (std::uint32_t edge = 0; edge < topology.edge_count(); ++edge)
-            unite_at(topology, edge, sets);
-
-        struct Size {
-            std::uint64_t triangles = 0;
-            double area = 0;
-        };
-        std::vector<Size> sizes(surface.triangle_count()); // of each set at its lowest triangle
-        const auto triangle_at = [&](std::uint32_t i) { return surface.triangle(TriangleId{i}); };
-        double longest =
-            0; // along an axis: squares of larger and smaller meshes may not be doubles
-        for (std::uint32_t i = 0; i < surface.triangle_count(); ++i) {
-            const Triangle one = triangle_at(i);
-            if (is_finite(one)) longest = std::max(longest, bounding_box(one).extent().maxCoeff());
-        }
-        const double scale = detail::unit_scale(longest);
-        double largest = 0;
-        for (std::uint32_t i = 0; i < surface.triangle_count(); ++i) {
-            Size& size = sizes[sets.find(i)];
-            ++size.triangles;
-            const Triangle one = triangle_at(i);
-            if (is_finite(one)) {
-                size.area +=
-                    length_of((scale * (one[1] - one[0])).cross(scale * (one[2] - one[0])));
-            }
-            largest = std::max(largest, size.area);
-        }
-        for (std::uint32_t i = 0; i < surface.triangle_count(); ++i) {
-            if (!is_proper(triangles_[i])) continue;
-            const std::uint32_t first = sets.find(i);
-            const bool small = sizes[first].triangles < options_.min_component_triangles ||
-                               sizes[first].area < options_.min_component_area * largest;
-            if (!small) continue;
-            kept[i] = 0;
-            count_of(RepairStepKind::drop_small_components) += first == i ? 1 : 0;
-        }
-        return kept;
-    }
-
-    void unite_at(const Topology& topology, std::uint32_t edge, DisjointSets& sets) const
-    {
-        TriangleId previous = no_triangle;
-        for (const TriangleId one : topology.triangles(EdgeId{edge})) {
-            if (!is_proper(triangles_[to_index(one)])) continue;
-            if (previous != no_triangle) sets.unite(to_index(previous), to_index(one));
-            previous = one;
-        }
     }
 
     void drop_all_but(std::span<const std::uint8_t> kept)

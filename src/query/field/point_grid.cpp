@@ -43,10 +43,12 @@ Result<PointGrid> grid_around(const Box& box, const GridOptions& options)
         counts[axis] = std::max(std::ceil(steps * (1 - 0x1p-40)), 1.0) + 1;
         points *= counts[axis];
     }
-    const char* const chosen = options.spacing > 0 ? "spacing" : "resolution";
+    const bool by_spacing = options.spacing > 0;
+    const char* const chosen = by_spacing ? "spacing" : "resolution";
     if (!(points <= static_cast<double>(max_grid_points))) {
+        const std::string given = by_spacing ? concat(options.spacing) : concat(options.resolution);
         return bad_grid(
-            concat("a spacing of ", grid.spacing, " makes ", points, " points: 2^40 are the most"),
+            concat("a ", chosen, " of ", given, " makes ", points, " points: 2^40 are the most"),
             chosen);
     }
     const Vec3 middle = box.center();
