@@ -206,6 +206,36 @@ int print_help_or_version(const CLI::App& app, const CLI::ParseError& error)
     return bad_input;
 }
 
+/// "help closest" becomes "closest --help", and "help" alone or twice "--help".
+void turn_help_into_an_option(std::vector<const char*>& arguments,
+                              const std::vector<std::string>& commands)
+{
+    const auto first_is_help = [&] {
+        return arguments.size() > 1 && std::string_view(arguments[1]) == "help";
+    };
+    if (!first_is_help()) return;
+    while (first_is_help()) arguments.erase(arguments.begin() + 1);
+    if (arguments.size() == 1 || std::ranges::find(commands, arguments[1]) != commands.end())
+        arguments.push_back("--help");
+}
+
+std::string describe_usage(const CLI::ParseError& error, const CLI::App& command)
+{
+    return fmt::format("{}{}; see proxima {} --help", error.what(), suggest_option(command),
+                       command.get_name());
+}
+
+/// Of arguments that name no command.
+std::string describe_usage(const CLI::ParseError& error, const std::vector<const char*>& arguments,
+                           const std::vector<std::string>& commands)
+{
+    if (arguments.size() > 1 && arguments[1][0] != '-') {
+        return fmt::format("{} is no command: they are {}{}; see proxima --help", arguments[1],
+                           fmt::join(commands, ", "), did_you_mean(arguments[1], commands));
+    }
+    return fmt::format("{}; see proxima --help", error.what());
+}
+
 int parse_and_run(int argc, char** argv, const char* version, std::span<const AddCommand> adders)
 {
     CLI::App app(
@@ -236,29 +266,15 @@ int parse_and_run(int argc, char** argv, const char* version, std::span<const Ad
     names.reserve(commands.size());
     for (const Command& command : commands) names.push_back(command.parser->get_name());
     std::vector<const char*> arguments(argv, argv + argc);
-    const auto first_is_help = [&] {
-        return arguments.size() > 1 && std::string_view(arguments[1]) == "help";
-    };
-    if (first_is_help()) { // "help closest" is "closest --help"
-        while (first_is_help()) arguments.erase(arguments.begin() + 1);
-        if (arguments.size() == 1 || std::ranges::find(names, arguments[1]) != names.end())
-            arguments.push_back("--help");
-    }
+    turn_help_into_an_option(arguments, names);
     const auto asked_for = [](const Command& command) { return command.parser->parsed(); };
     try {
         app.parse(static_cast<int>(arguments.size()), arguments.data());
     } catch (const CLI::ParseError& error) {
         if (error.get_exit_code() == 0) return print_help_or_version(app, error);
         const auto found = std::ranges::find_if(commands, asked_for);
-        if (found == commands.end() && arguments.size() > 1 && arguments[1][0] != '-') {
-            report(fmt::format("{} is no command: they are {}{}; see proxima --help", arguments[1],
-                               fmt::join(names, ", "), did_you_mean(arguments[1], names)));
-            return wrong_usage;
-        }
-        const bool known = found != commands.end();
-        report(fmt::format("{}{}; see proxima {}--help", error.what(),
-                           known ? suggest_option(*found->parser) : "",
-                           known ? found->parser->get_name() + ' ' : ""));
+        report(found != commands.end() ? describe_usage(error, *found->parser)
+                                       : describe_usage(error, arguments, names));
         return wrong_usage;
     }
     const Command& command = *std::ranges::find_if(commands, asked_for);
