@@ -219,13 +219,14 @@ void turn_help_into_an_option(std::vector<const char*>& arguments,
         arguments.push_back("--help");
 }
 
+/// What is wrong with the arguments of a command, and where to read about it.
 std::string describe_usage(const CLI::ParseError& error, const CLI::App& command)
 {
     return fmt::format("{}{}; see proxima {} --help", error.what(), suggest_option(command),
                        command.get_name());
 }
 
-/// Of arguments that name no command.
+/// What is wrong with arguments that do not begin with the name of a command.
 std::string describe_usage(const CLI::ParseError& error, const std::vector<const char*>& arguments,
                            const std::vector<std::string>& commands)
 {

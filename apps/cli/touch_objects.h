@@ -20,7 +20,7 @@ namespace proxima {
                                                                    const std::string& path,
                                                                    Session& session);
 
-/// "K 500 N/m, B 1 N s/m, friction 0.4 and 0.3".
+/// A material as reports print it: "K 500 N/m, B 1 N s/m, friction 0.4 and 0.3".
 [[nodiscard]] std::string in_words(const SurfaceMaterial& material);
 
 /// A line for each object; "" of one model at rest.
