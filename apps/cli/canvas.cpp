@@ -26,6 +26,37 @@ float from_srgb_byte(unsigned byte)
     return encoded <= 0.04045F ? encoded / 12.92F : std::pow((encoded + 0.055F) / 1.055F, 2.4F);
 }
 
+/// Where to look for creases: directions on two rings, turned from sample to sample in a 4x4 pattern,
+/// which the average over samples and neighbours smooths.
+class CreaseDirections {
+public:
+    static constexpr int count = 12;
+
+    /// `reach`, the radius of the outer ring, in samples.
+    explicit CreaseDirections(double reach)
+    {
+        constexpr double golden_angle = 2.399963229728653;
+        for (std::size_t turn = 0; turn < turns_.size(); ++turn) {
+            for (int i = 0; i < count; ++i) {
+                const double angle =
+                    0.39269908169872414 * static_cast<double>(turn) + golden_angle * i;
+                const double length = reach * std::sqrt((i + 0.5) / count);
+                turns_[turn][static_cast<std::size_t>(i)] = {
+                    static_cast<int>(std::lround(length * std::cos(angle))),
+                    static_cast<int>(std::lround(length * std::sin(angle)))};
+            }
+        }
+    }
+
+    [[nodiscard]] const std::array<std::array<int, 2>, count>& of(int x, int y) const noexcept
+    {
+        return turns_[static_cast<std::size_t>((x & 3) * 4 + (y & 3))];
+    }
+
+private:
+    std::array<std::array<std::array<int, 2>, count>, 16> turns_{};
+};
+
 /// Whole numbers of the samples whose centres lie in [lower, upper], cut to [0, count).
 struct SampleRange {
     int first;
@@ -204,23 +235,14 @@ void Canvas::draw_line(const ScreenPoint& from, const ScreenPoint& to, const Col
 
 void Canvas::darken_creases(double radius, float strength)
 {
-    // Directions on two rings, turned from sample to sample in a 4x4 pattern, which the average
-    // over samples and neighbours smooths.
-    constexpr int directions = 12;
-    constexpr double golden_angle = 2.399963229728653;
+    const CreaseDirections directions(samples_per_axis * radius);
     const auto light = std::make_unique_for_overwrite<float[]>(samples_); // the background's not
     for (int y = 0; y < rows_ && !stopped(); ++y) {
         for (int x = 0; x < columns_; ++x) {
             const float here = nearness_[sample_index(x, y)];
             if (here == 0.0F) continue;
-            const double turn = 0.39269908169872414 * ((x & 3) * 4 + (y & 3));
-            const double reach = samples_per_axis * radius;
             float closed = 0.0F;
-            for (int i = 0; i < directions; ++i) {
-                const double angle = turn + golden_angle * i;
-                const double length = reach * std::sqrt((i + 0.5) / directions);
-                const int dx = static_cast<int>(std::lround(length * std::cos(angle)));
-                const int dy = static_cast<int>(std::lround(length * std::sin(angle)));
+            for (const auto& [dx, dy] : directions.of(x, y)) {
                 // Two opposite neighbours that together are nearer than this place close a crease;
                 // on a plane, whatever its slope, they balance.
                 const auto neighbour = [&](int nx, int ny) {
@@ -232,7 +254,7 @@ void Canvas::darken_creases(double radius, float strength)
                 closed += std::clamp(bend * 60.0F, -0.3F, 1.0F);
             }
             light[sample_index(x, y)] =
-                1.0F - strength * std::clamp(closed / directions, -0.2F, 1.0F);
+                1.0F - strength * std::clamp(closed / CreaseDirections::count, -0.2F, 1.0F);
         }
     }
     constexpr int blur = 2; // samples to each side: the size of the pattern

@@ -1,29 +1,8 @@
 #include "cli/vdb_file.h"
 
-#include "base/shared_library.h"
-
-#include <filesystem>
+#include "cli/program_library.h"
 
 namespace proxima {
-
-namespace {
-
-/// Beside the program, where it is built, or where it is installed.
-Result<SharedLibrary> open_vdb_library()
-{
-    std::error_code unknown;
-    const std::filesystem::path folder =
-        std::filesystem::read_symlink("/proc/self/exe", unknown).parent_path();
-    return SharedLibrary::open(
-        {.what = "the library that writes .vdb",
-         .names = {folder / PROXIMA_VDB_LIBRARY,
-                   folder / PROXIMA_LIBRARY_FOLDER / "proxima" / PROXIMA_VDB_LIBRARY},
-         .named = {},
-         .advice = "build the program where OpenVDB is (Debian's libopenvdb-dev), or write .npy or "
-                   ".vti"});
-}
-
-} // namespace
 
 std::uint64_t vdb_bytes(const PointGrid& grid) noexcept
 {
@@ -34,7 +13,9 @@ std::uint64_t vdb_bytes(const PointGrid& grid) noexcept
 
 Result<WriteVdb*> vdb_writer(const std::string& path)
 {
-    static const Result<SharedLibrary> library = open_vdb_library();
+    static const Result<SharedLibrary> library = open_program_library(
+        "vdb", "the library that writes .vdb",
+        "build the program where OpenVDB is (Debian's libopenvdb-dev), or write .npy or .vti");
     if (!library) return fail(ErrorCode::unsupported_format, library.error().message, path);
     WriteVdb* writer = nullptr;
     SymbolTable symbols(*library);

@@ -1,9 +1,12 @@
 """proxima figures as its users run it."""
 import re
+import shutil
+import subprocess
+import tempfile
 import unittest
 
 import mesh_files
-from proxima_program import ProgramTest, run
+from proxima_program import PROXIMA, ProgramTest, environment_of_program, run
 
 
 class Making(ProgramTest):
@@ -69,6 +72,24 @@ class Refusing(ProgramTest):
         self.refuse("figures", status=2, says="--out")
         file = self.file("file", "")
         self.refuse("figures", "--out", file / "below", says=("below", "cannot be made"))
+
+
+class WithoutTheLibrary(ProgramTest):
+    """An installation that lacks the library that draws figures."""
+
+    def test_pictures_are_refused_and_all_else_works(self):
+        with tempfile.TemporaryDirectory() as bare:
+            program = shutil.copy(PROXIMA, bare)
+            picture = self.folder / "a.png"
+            for arguments, status in ((("octree", "cube"), 0), (("octree", "cube", "--picture", picture), 1),
+                                      (("figures", "--only", "4.2", "--out", self.folder), 1)):
+                with self.subTest(arguments):
+                    result = subprocess.run([program, *map(str, arguments), "--quiet"], env=environment_of_program(), capture_output=True, text=True)
+                    self.assertEqual(result.returncode, status, result.stderr)
+                    self.assertEqual(list(self.folder.iterdir()), [])
+                    if status != 0:
+                        self.assertRegex(result.stderr, rf"^proxima: the library that draws figures was not found: tried {bare}/libproxima_figure-\S+\.so "
+                                                        r".*; it is a part of the program: install it again\n$")
 
 
 if __name__ == "__main__":
