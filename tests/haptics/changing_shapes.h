@@ -188,14 +188,15 @@ public:
         for (const TriangleCorners& corners : mesh_->triangles()) {
             const Triangle before = triangle(before_, corners);
             const Triangle now = triangle(now_, corners);
-            if (is_degenerate(before) && is_degenerate(now)) continue;
             Box box = bounding_box(before);
             for (const Vec3& corner : now.vertices) box.extend(corner);
+            if (is_beside(box, from, to)) continue; // most of them
+            if (is_degenerate(before) && is_degenerate(now)) continue;
             double nearer = 0; // the triangle comes no nearer than by this
             for (int k = 0; k < 3; ++k)
                 nearer = std::max(nearer, (now[k] - before[k] - (to - from)).norm());
             const double begin = (closest_point(before, from).point - from).norm();
-            if (is_beside(box, from, to) || begin > 2 * nearer) continue;
+            if (begin > 2 * nearer) continue;
             if (Crossing(before, now, from, to).happens()) return true;
         }
         return false;
@@ -205,10 +206,9 @@ public:
     {
         for (const TriangleCorners& corners : mesh_->triangles()) {
             const Triangle now = triangle(now_, corners);
-            if (is_degenerate(now)) continue;
             const Box box = bounding_box(now);
             for (std::size_t i = 1; i < path.size(); ++i) {
-                if (is_beside(box, path[i - 1], path[i])) continue;
+                if (is_beside(box, path[i - 1], path[i]) || is_degenerate(now)) continue;
                 if (segment_meets_triangle(path[i - 1], path[i], now)) return true;
             }
         }
