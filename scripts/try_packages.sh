@@ -12,6 +12,7 @@ dpkg -l | grep -c '^ii' | sed 's/$/ packages in all/'
 cd /tmp
 proxima --version
 proxima closest icosphere:3 --point 0,0,3 | sed -n 1,3p
+proxima octree cube --quiet --picture cube.png
 cat >/tmp/mesh.off <<'EOF'
 OFF
 4 4 0

@@ -1,5 +1,6 @@
 // A flat drawing of boxes, polygons, lines and text, drawn by cairo and Pango: as PNG, SVG or PDF, or
-// over a picture.
+// over a picture. These are in a library that the first call opens (figure_library.h); where it is missing, all
+// functions throw std::runtime_error.
 //
 //     Figure figure{.width = 1200, .height = 800};
 //     figure.lines.push_back({{60, 700}, {1180, 700}, 0x333333, 2});

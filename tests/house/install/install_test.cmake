@@ -31,6 +31,11 @@ endfunction()
 file(REMOVE_RECURSE ${WORK})
 run(${CMAKE_COMMAND} --install ${BUILD} --prefix ${WORK}/prefix)
 
+# The program opens its libraries where they are installed.
+if(EXISTS ${WORK}/prefix/bin/proxima)
+  run(${WORK}/prefix/bin/proxima octree cube --quiet --picture ${WORK}/cube.png)
+endif()
+
 set(ENV{PKG_CONFIG_PATH} ${WORK}/prefix/${LIBDIR}/pkgconfig)
 run(pkg-config --cflags proxima)
 separate_arguments(flags UNIX_COMMAND "${output}")
