@@ -50,7 +50,8 @@ public:
 
     [[nodiscard]] const std::array<std::array<int, 2>, count>& of(int x, int y) const noexcept
     {
-        return turns_[static_cast<std::size_t>((x & 3) * 4 + (y & 3))];
+        const int turn = (x & 3) * 4 + (y & 3);
+        return turns_[static_cast<std::size_t>(turn)];
     }
 
 private:
