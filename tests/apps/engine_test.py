@@ -71,7 +71,7 @@ class Sessions(EngineTest):
                           r"from a pose to the force of its first tick: p50 [\d.]+ ms", result.stdout)
         self.assertIsNotNone(heard, result.stdout)
         self.assertGreater(int(heard[1]), 500)
-        self.assertGreater(int(heard[4]), 20)  # on a busy machine
+        self.assertGreater(int(heard[4]), 100)
         self.assertGreater(float(heard[5]), 0.3)
         self.assertLessEqual(float(heard[5]), report["max_force"] + 0.001)
         self.assertGreater(report["engine"]["accepted"], 30)
@@ -88,7 +88,7 @@ class Sessions(EngineTest):
             rows = list(csv.DictReader(table.read_text().splitlines()))
             touching = [row for row in rows if row["contacts"]]
             self.assertTrue(all(re.fullmatch(r"0:\d+( 0:\d+)*", row["contacts"]) for row in touching))
-            self.assertGreater(len(touching), 20)
+            self.assertGreater(len(touching), 100)
 
     def test_c(self):
         for channel in self.channels():
