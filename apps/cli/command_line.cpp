@@ -4,6 +4,7 @@
 #include "cli/interrupt.h"
 #include "cli/names.h"
 #include "cli/number_checks.h"
+#include "cli/printable.h"
 #include "cli/read_model.h"
 #include "cli/session.h"
 #include "cli/stderr_text.h"

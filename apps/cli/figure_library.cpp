@@ -1,6 +1,6 @@
 #include "cli/figure_library.h"
 
-#include "cli/names.h"
+#include "cli/printable.h"
 #include "proxima/export.h"
 
 #include <algorithm>
@@ -35,7 +35,7 @@ void check_memory(cairo_status_t status)
 }
 
 /// Text that Pango takes: what is no printable UTF-8 is a question mark.
-std::string printable(std::string_view text)
+std::string drawable(std::string_view text)
 {
     std::string result;
     for (std::size_t position = 0; position < text.size();) {
@@ -66,7 +66,7 @@ Layout make_layout(cairo_t* pen, std::string_view text, double size)
     pango_font_description_set_absolute_size(font.get(), size / capital * PANGO_SCALE);
     pango_layout_set_font_description(layout.get(), font.get());
     pango_layout_set_single_paragraph_mode(layout.get(), TRUE);
-    const std::string words = printable(text);
+    const std::string words = drawable(text);
     pango_layout_set_text(layout.get(), words.data(), static_cast<int>(words.size()));
     return layout;
 }

@@ -1,7 +1,7 @@
 #include "cli/session.h"
 
 #include "base/text.h"
-#include "cli/names.h"
+#include "cli/printable.h"
 #include "cli/read_model.h"
 #include "proxima/sample_meshes.h"
 

@@ -1,7 +1,7 @@
 #include "viewer/window/file_panel.h"
 
 #include "base/text.h"
-#include "cli/names.h"
+#include "cli/printable.h"
 #include "proxima/mesh_io.h"
 #include "proxima/sample_meshes.h"
 #include "viewer/window/input_text.h"

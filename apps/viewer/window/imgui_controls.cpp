@@ -1,7 +1,7 @@
 #include "viewer/window/imgui_controls.h"
 
 #include "base/text.h"
-#include "cli/names.h"
+#include "cli/printable.h"
 #include "viewer/window/input_text.h"
 
 #include <algorithm>
