@@ -17,7 +17,8 @@ namespace {
 
 using namespace proxima;
 
-/// Squared distances of all triangles.
+/// Squared distances of all triangles, in the order of answers: also where squares are too small for
+/// the mesh's unit, and all 0 there.
 std::vector<NearTriangle> triangles_one_by_one(const TriangleMesh& mesh, const Topology& topology,
                                                const Vec3& p)
 {
@@ -26,9 +27,11 @@ std::vector<NearTriangle> triangles_one_by_one(const TriangleMesh& mesh, const T
     for (std::uint32_t i = 0; i < mesh.triangle_count(); ++i) {
         NearestFeature nearest;
         offer_triangle(mesh, topology, TriangleId{i}, p, scale, nearest);
-        all.push_back({scale.unscale_squared(nearest.squared), TriangleId{i}});
+        all.push_back({nearest.squared, TriangleId{i}});
     }
     std::ranges::sort(all, [](const auto& a, const auto& b) { return a < b; });
+    for (NearTriangle& one : all)
+        one.squared_distance = scale.unscale_squared(one.squared_distance);
     return all;
 }
 

@@ -238,6 +238,21 @@ int cross_component_sign(const Displacement& u, const SumDisplacement& w, int ax
     return exact_cross_component_sign<ByWideIntegers>(u, w, axis);
 }
 
+namespace {
+
+Vec3 unit_normal_by_determinants(const Displacement& u, const Displacement& v) noexcept
+{
+    std::array<ScaledNumber, 3> parts;
+    for (int axis = 0; axis < 3; ++axis) {
+        parts[static_cast<std::size_t>(axis)] =
+            exact_determinant(u, v, {Vec3::Zero(), Vec3::Unit(axis)});
+    }
+    const std::array<double, 3> normal = in_common_units(parts);
+    return Vec3(normal[0], normal[1], normal[2]).stableNormalized();
+}
+
+} // namespace
+
 Vec3 unit_normal(const Displacement& u, const Displacement& v) noexcept
 {
     // Differences and their rounding errors, scaled by powers of two so that products neither
@@ -269,6 +284,8 @@ Vec3 unit_normal(const Displacement& u, const Displacement& v) noexcept
     Vec3 normal = a.rounded.cross(b.rounded);
     constexpr double safe_share = 1.0 / 16;
     if (normal.cwiseAbs().maxCoeff() < safe_share * cross_sizes(a.rounded, b.rounded).maxCoeff()) {
+        // A product with a part that is far too small beside the others would vanish still.
+        if (!fits(u) || !fits(v)) return unit_normal_by_determinants(u, v);
         for (int axis = 0; axis < 3; ++axis) {
             const int i = (axis + 1) % 3;
             const int j = (axis + 2) % 3;

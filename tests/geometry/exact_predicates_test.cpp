@@ -8,6 +8,8 @@
 #include <rapidcheck/gtest.h>
 
 #include <cmath>
+#include <limits>
+#include <random>
 
 namespace proxima::exact_predicates_test {
 namespace {
@@ -223,6 +225,29 @@ TEST(UnitNormal, IsRightWhereRoundedProductsCancel)
         const SumDisplacement across = {Vec3::Unit(axis), Vec3::Zero(), Vec3::Zero(), 1};
         EXPECT_EQ(determinant_sign({Vec3::Zero(), u}, {Vec3::Zero(), v}, across), 1) << axis;
     }
+}
+
+// Found by a fuzzer: a proxy passed a needle whose width is the smallest double, for its normal was wrong.
+TEST(UnitNormal, IsRightWherePartsAreFarTooSmallBesideTheOthers)
+{
+    std::mt19937_64 random(11);
+    std::uniform_int_distribution<int> number(-1000, 1000);
+    std::uniform_int_distribution<int> exponent(-1074, -300);
+    for (int i = 0; i < 2000; ++i) {
+        // v = w + tiny, which no double holds, is all but parallel to w.
+        const Vec3 w = Vec3(number(random), number(random), number(random)) / 1024.0;
+        const Vec3 digits(number(random), number(random), number(random));
+        const Vec3 tiny = digits * std::ldexp(1.0, exponent(random));
+        const Vec3 across = w.cross(digits); // exact
+        const Vec3 expected = across.isZero() ? across : across.normalized();
+        const Vec3 found = unit_normal({Vec3::Zero(), w}, {-w, tiny});
+        EXPECT_LE((found - expected).cwiseAbs().maxCoeff(), 1e-15) << i;
+        EXPECT_EQ(unit_normal({-w, tiny}, {Vec3::Zero(), w}), -found) << i;
+    }
+    // A part of one direction that no other one has.
+    const double least = std::numeric_limits<double>::denorm_min();
+    EXPECT_EQ(unit_normal({Vec3::Zero(), {0.25, 0, 0}}, {Vec3::Zero(), {0.5, 0, least}}),
+              -Vec3::UnitY());
 }
 
 TEST(IsDegenerate, DistinguishesLinesAndPointsFromSlivers)
