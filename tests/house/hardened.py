@@ -18,7 +18,7 @@ def compiled_with(option, target, build):
     return bool(own) and all(any(re.fullmatch(option, word) for word in words) for words in own)
 
 
-for target, file in (word.split("=") for word in sys.argv[2:]):
+for target, file in (word.split("=", 1) for word in sys.argv[2:]):
     dynamic, header, segments, symbols = (readelf(option, file) for option in ("-d", "-h", "-l", "--dyn-syms"))
     stack = [line.split() for line in segments.splitlines() if "GNU_STACK" in line]
     checks = {
