@@ -17,29 +17,31 @@ namespace {
 
 using namespace proxima;
 
-/// Squared distances of all triangles, in the order of answers: also where squares are too small for
-/// the mesh's unit, and all 0 there.
-std::vector<NearTriangle> triangles_one_by_one(const TriangleMesh& mesh, const Topology& topology,
-                                               const Vec3& p)
+/// Squared distances of all triangles, in the order of answers, times the square of `scale.up`: in the
+/// mesh's unit they may be too small for doubles, and all 0.
+struct Truth {
+    RowScale scale;
+    std::vector<NearTriangle> scaled;
+};
+
+Truth triangles_one_by_one(const TriangleMesh& mesh, const Topology& topology, const Vec3& p)
 {
-    const RowScale scale = row_scale_of(bounding_box(mesh));
-    std::vector<NearTriangle> all;
+    Truth truth{row_scale_of(bounding_box(mesh)), {}};
     for (std::uint32_t i = 0; i < mesh.triangle_count(); ++i) {
         NearestFeature nearest;
-        offer_triangle(mesh, topology, TriangleId{i}, p, scale, nearest);
-        all.push_back({nearest.squared, TriangleId{i}});
+        offer_triangle(mesh, topology, TriangleId{i}, p, truth.scale, nearest);
+        truth.scaled.push_back({nearest.squared, TriangleId{i}});
     }
-    std::ranges::sort(all, [](const auto& a, const auto& b) { return a < b; });
-    for (NearTriangle& one : all)
-        one.squared_distance = scale.unscale_squared(one.squared_distance);
-    return all;
+    std::ranges::sort(truth.scaled, [](const auto& a, const auto& b) { return a < b; });
+    return truth;
 }
 
 /// Some radius, or exactly the distance of a triangle, or hardly another one.
-double decode_radius(fuzz::Bytes& bytes, const std::vector<NearTriangle>& all)
+double decode_radius(fuzz::Bytes& bytes, const Truth& truth)
 {
     const std::uint8_t form = bytes.next();
-    const double near = std::sqrt(all[bytes.next() % all.size()].squared_distance);
+    const NearTriangle& one = truth.scaled[bytes.next() % truth.scaled.size()];
+    const double near = std::sqrt(truth.scale.unscale_squared(one.squared_distance));
     switch (form % 4) {
     case 0:
         return near;
@@ -52,22 +54,25 @@ double decode_radius(fuzz::Bytes& bytes, const std::vector<NearTriangle>& all)
     }
 }
 
-void expect_balls(const MeshIndex& index, const Vec3& p, double radius,
-                  const std::vector<NearTriangle>& all)
+void expect_balls(const MeshIndex& index, const Vec3& p, double radius, const Truth& truth)
 {
     // Squares that leave the doubles do not tell what is within.
     const double square = radius * radius;
     if (!(square == 0 || (square > 1e-280 && square < 1e280))) return;
     const auto is_tiny = [](double x) { return x != 0 && std::abs(x) < 1e-140; };
     if (square == 0 && std::any_of(p.begin(), p.end(), is_tiny)) return;
-    std::vector<NearTriangle> near = all;
-    std::erase_if(near, [&](const NearTriangle& one) { return one.squared_distance > square; });
+    std::vector<NearTriangle> near = truth.scaled;
+    const double limit = radius * truth.scale.up * (radius * truth.scale.up);
+    std::erase_if(near, [&](const NearTriangle& one) { return one.squared_distance > limit; });
+    for (NearTriangle& one : near)
+        one.squared_distance = truth.scale.unscale_squared(one.squared_distance);
     std::vector<TriangleId> ids;
     ids.reserve(near.size());
     for (const NearTriangle& one : near) ids.push_back(one.triangle);
     std::ranges::sort(ids);
 
-    std::vector<TriangleId> found(all.size());
+    const std::size_t count = truth.scaled.size();
+    std::vector<TriangleId> found(count);
     const Neighbourhood within = collect_triangles(index, p, radius, found);
     PROXIMA_CHECK(within.complete);
     found.resize(within.written);
@@ -81,16 +86,16 @@ void expect_balls(const MeshIndex& index, const Vec3& p, double radius,
     };
     visit_nearest(index, p, batch, visitor, radius);
     PROXIMA_CHECK(visited == near);
-    std::vector<NearTriangle> some(1 + all.size() / 2);
+    std::vector<NearTriangle> some(1 + count / 2);
     const Neighbourhood nearest = collect_nearest(index, p, some, radius);
     const std::size_t wanted = std::min(some.size(), near.size());
     PROXIMA_CHECK_EQ(nearest.written, wanted);
-    PROXIMA_CHECK_EQ(nearest.complete, (near.size() < some.size() || all.size() <= some.size()));
+    PROXIMA_CHECK_EQ(nearest.complete, (near.size() < some.size() || count <= some.size()));
     PROXIMA_CHECK(
         std::equal(some.begin(), some.begin() + static_cast<long>(nearest.written), near.begin()));
 
     // Each triangle within has a feature within, and features are named once.
-    std::vector<NearestFeature> features(8 * all.size());
+    std::vector<NearestFeature> features(8 * count);
     const Neighbourhood about = collect_features(index, p, radius, features);
     PROXIMA_CHECK(about.complete);
     features.resize(about.written);
@@ -117,19 +122,19 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     int questions = 0;
     do {
         const Vec3 p = fuzz::decode_point(bytes, code, mesh);
-        const std::vector<NearTriangle> all = triangles_one_by_one(mesh, topology, p);
-        expect_balls(index, p, decode_radius(bytes, all), all);
+        const Truth truth = triangles_one_by_one(mesh, topology, p);
+        expect_balls(index, p, decode_radius(bytes, truth), truth);
 
         const Vec3 q = fuzz::decode_point(bytes, code, mesh);
         const Box box = {p.cwiseMin(q), p.cwiseMax(q)};
-        std::vector<TriangleId> truth;
+        std::vector<TriangleId> inside;
         for (std::uint32_t i = 0; i < mesh.triangle_count(); ++i) {
             if (triangle_overlaps_box(mesh.triangle(TriangleId{i}), box))
-                truth.push_back(TriangleId{i});
+                inside.push_back(TriangleId{i});
         }
         std::vector<TriangleId> found(mesh.triangle_count());
         found.resize(collect_triangles(index, box, found).written);
-        PROXIMA_CHECK(found == truth);
+        PROXIMA_CHECK(found == inside);
     } while (bytes.left() > 0 && ++questions < 4);
     return 0;
 }
