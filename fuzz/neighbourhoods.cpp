@@ -59,8 +59,6 @@ void expect_balls(const MeshIndex& index, const Vec3& p, double radius, const Tr
     // Squares that leave the doubles do not tell what is within.
     const double square = radius * radius;
     if (!(square == 0 || (square > 1e-280 && square < 1e280))) return;
-    const auto is_tiny = [](double x) { return x != 0 && std::abs(x) < 1e-140; };
-    if (square == 0 && std::any_of(p.begin(), p.end(), is_tiny)) return;
     std::vector<NearTriangle> near = truth.scaled;
     const double limit = radius * truth.scale.up * (radius * truth.scale.up);
     std::erase_if(near, [&](const NearTriangle& one) { return one.squared_distance > limit; });
