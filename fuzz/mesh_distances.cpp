@@ -16,6 +16,7 @@
 #include <cstdint>
 #include <limits>
 #include <optional>
+#include <utility>
 #include <vector>
 
 namespace {
@@ -74,23 +75,40 @@ double distance_from(const TriangleMesh& mesh, const Vec3& p)
     return least;
 }
 
+/// 2^exponent times the mesh. \pre no coordinate gets too large
+TriangleMesh scaled(const TriangleMesh& mesh, int exponent)
+{
+    std::vector<Vec3> positions(mesh.positions().begin(), mesh.positions().end());
+    for (Vec3& position : positions)
+        for (double& coordinate : position) coordinate = std::ldexp(coordinate, exponent);
+    return *make_triangle_mesh(std::move(positions),
+                               {mesh.triangles().begin(), mesh.triangles().end()});
+}
+
+/// The truth is found in meshes as large as 1, where no products vanish.
 void expect_deviation(const MeshIndex& a, const MeshIndex& b, const TriangleMesh& mesh_a,
                       const TriangleMesh& mesh_b, double size)
 {
+    const int exponent = std::max(0, -std::ilogb(size));
+    const TriangleMesh large_a = scaled(mesh_a, exponent);
+    const TriangleMesh large_b = scaled(mesh_b, exponent);
+    const auto scale_up = [&](double length) { return std::ldexp(length, exponent); };
     const Execution alone{.threads = {1}};
     const auto greatest = greatest_deviation(
         a, b, {.tolerance = 1e-3 * size, .max_places = 4, .max_splits = 500, .execution = alone});
     PROXIMA_CHECK(greatest.has_value());
     const DistanceBounds& bounds = greatest->distance;
-    const double slack = 1e-13 * size;
+    constexpr double steps = 2 * std::numeric_limits<double>::denorm_min(); // as answers round
+    const double slack = 1e-13 * size + steps;
     PROXIMA_CHECK(0 <= bounds.lower && bounds.lower <= bounds.upper);
     if (greatest->is_complete) PROXIMA_CHECK_LE(bounds.upper - bounds.lower, 1e-3 * size + slack);
-    PROXIMA_CHECK(distance_from(mesh_b, greatest->point_a) >= bounds.lower - slack);
-    for (std::uint32_t i = 0; i < mesh_a.triangle_count(); ++i) {
-        const Triangle triangle = mesh_a.triangle(TriangleId{i});
+    const Vec3 farthest = greatest->point_a.unaryExpr(scale_up);
+    PROXIMA_CHECK(distance_from(large_b, farthest) >= scale_up(bounds.lower - slack));
+    for (std::uint32_t i = 0; i < large_a.triangle_count(); ++i) {
+        const Triangle triangle = large_a.triangle(TriangleId{i});
         for (const Vec3& p : {triangle[0], Vec3(0.5 * triangle[1] + 0.5 * triangle[2]),
                               Vec3((triangle[0] + triangle[1] + triangle[2]) / 3)})
-            PROXIMA_CHECK_LE(distance_from(mesh_b, p), bounds.upper + slack);
+            PROXIMA_CHECK_LE(distance_from(large_b, p), scale_up(bounds.upper + slack));
     }
     const auto mean =
         mean_deviation(a, b, {.tolerance = 1e-2 * size, .max_splits = 500, .execution = alone});

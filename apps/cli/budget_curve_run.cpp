@@ -204,10 +204,11 @@ Status run_budget_curve(const ProximityCommandOptions& options, Session& session
     session.print(fmt::format("Queries of {}, {} triangles, by the budget of its lists, "
                               "both in bytes per triangle\n\n{}",
                               options.model, mesh->triangle_count(), text_of(*curve)));
-    const std::string csv = csv_of(*curve);
-    const Figure figure = figure_of(*curve, options.model, mesh->triangle_count());
     for (const std::string& path : options.budget_curves) {
-        Status status = write_plot(csv, figure, path, &session.progress());
+        Status status =
+            write_plot([&] { return csv_of(*curve); },
+                       [&] { return figure_of(*curve, options.model, mesh->triangle_count()); },
+                       path, &session.progress());
         if (!status) return status;
         session.print(fmt::format("wrote {}\n", path));
     }

@@ -2,6 +2,7 @@
 
 #include "base/file_extension.h"
 #include "base/text.h"
+#include "cli/figure.h"
 #include "cli/model_options.h"
 #include "cli/names.h"
 #include "cli/number_checks.h"
@@ -241,8 +242,11 @@ void add_picture_options(CLI::App& parser, std::string& picture, CameraChoice& c
 
 Status check_picture(const std::string& path, const CameraChoice& choice)
 {
-    if (!path.empty() && lower_case_extension(path) != ".png")
-        return fail(ErrorCode::unsupported_format, "a picture is a .png file", path);
+    if (!path.empty()) {
+        if (lower_case_extension(path) != ".png")
+            return fail(ErrorCode::unsupported_format, "a picture is a .png file", path);
+        if (Status status = check_drawing(); !status) return status;
+    }
     return choice.eye && choice.target ? check_sight(*choice.eye, *choice.target) : Status();
 }
 

@@ -68,7 +68,7 @@ void add_picture_options(CLI::App& parser, std::string& picture, CameraChoice& c
                          const std::string& words);
 
 /// Errors, of what can be told without the mesh: unsupported_format for a picture that is no .png
-/// file, invalid_argument for an eye at its target. No name is right.
+/// file, those of check_drawing (the legend), invalid_argument for an eye at its target. No name is right.
 [[nodiscard]] Status check_picture(const std::string& path, const CameraChoice& choice);
 
 /// The choice with the model's up axis where none was asked for.

@@ -40,6 +40,54 @@ void append_little_endian(std::string& text, Unsigned value)
         text += static_cast<char>(static_cast<std::uint64_t>(value) >> (8 * i) & 255U);
 }
 
+/// A row for each bin.
+std::string shares_csv(const DeviationHistogram& histogram)
+{
+    std::string csv = "from,to";
+    for (const std::string& name : histogram.names) csv += "," + name;
+    csv += '\n';
+    const std::size_t bins = histogram.shares.front().size();
+    const double width = histogram.end / static_cast<double>(bins);
+    for (std::size_t i = 0; i < bins; ++i) {
+        csv += fmt::format("{:.17g},{:.17g}", width * static_cast<double>(i),
+                           width * static_cast<double>(i + 1));
+        for (const std::vector<double>& shares : histogram.shares)
+            csv += fmt::format(",{:.17g}", shares[i]);
+        csv += '\n';
+    }
+    return csv;
+}
+
+Figure shares_figure(const DeviationHistogram& histogram, const std::string& title)
+{
+    const std::size_t bins = histogram.shares.front().size();
+    const double width = histogram.end / static_cast<double>(bins);
+    double most = 0;
+    for (const std::vector<double>& shares : histogram.shares)
+        most = std::max(most, *std::ranges::max_element(shares));
+    // In percent, up to a number that gives round steps, and some room.
+    const double top = 5 * std::ceil(21 * most);
+    PlotWords words{.title = title, .x = "distance", .y = "share of the area, percent"};
+    for (const std::string& name : histogram.names) words.series.push_back(name);
+    Plot plot(linear_scale(histogram.end > 0 ? histogram.end : 1), linear_scale(std::max(top, 5.0)),
+              words);
+    for (std::size_t series = 0; series < histogram.shares.size(); ++series) {
+        double before = 0;
+        for (std::size_t i = 0; i <= bins; ++i) {
+            const double x = width * static_cast<double>(i);
+            const double height = i < bins ? 100 * histogram.shares[series][i] : 0;
+            plot.figure.lines.push_back(
+                {plot.at(x, before), plot.at(x, height), plot_color(series), 3});
+            if (i < bins) {
+                plot.figure.lines.push_back(
+                    {plot.at(x, height), plot.at(x + width, height), plot_color(series), 3});
+            }
+            before = height;
+        }
+    }
+    return std::move(plot.figure);
+}
+
 } // namespace
 
 unsigned deviation_color(const VertexDeviations& deviations, double distance)
@@ -139,42 +187,8 @@ std::string histogram_text(const DeviationHistogram& histogram)
 Status write_deviation_histogram(const DeviationHistogram& histogram, const std::string& title,
                                  const std::string& path, Progress* progress)
 {
-    std::string csv = "from,to";
-    for (const std::string& name : histogram.names) csv += "," + name;
-    csv += '\n';
-    const std::size_t bins = histogram.shares.front().size();
-    const double width = histogram.end / static_cast<double>(bins);
-    double most = 0;
-    for (std::size_t i = 0; i < bins; ++i) {
-        csv += fmt::format("{:.17g},{:.17g}", width * static_cast<double>(i),
-                           width * static_cast<double>(i + 1));
-        for (const std::vector<double>& shares : histogram.shares) {
-            csv += fmt::format(",{:.17g}", shares[i]);
-            most = std::max(most, shares[i]);
-        }
-        csv += '\n';
-    }
-    // In percent, up to a number that gives round steps, and some room.
-    const double top = 5 * std::ceil(21 * most);
-    PlotWords words{.title = title, .x = "distance", .y = "share of the area, percent"};
-    for (const std::string& name : histogram.names) words.series.push_back(name);
-    Plot plot(linear_scale(histogram.end > 0 ? histogram.end : 1), linear_scale(std::max(top, 5.0)),
-              words);
-    for (std::size_t series = 0; series < histogram.shares.size(); ++series) {
-        double before = 0;
-        for (std::size_t i = 0; i <= bins; ++i) {
-            const double x = width * static_cast<double>(i);
-            const double height = i < bins ? 100 * histogram.shares[series][i] : 0;
-            plot.figure.lines.push_back(
-                {plot.at(x, before), plot.at(x, height), plot_color(series), 3});
-            if (i < bins) {
-                plot.figure.lines.push_back(
-                    {plot.at(x, height), plot.at(x + width, height), plot_color(series), 3});
-            }
-            before = height;
-        }
-    }
-    return write_plot(csv, plot.figure, path, progress);
+    return write_plot([&] { return shares_csv(histogram); },
+                      [&] { return shares_figure(histogram, title); }, path, progress);
 }
 
 } // namespace proxima

@@ -10,29 +10,30 @@
 namespace proxima {
 namespace {
 
-Result<const FigureDrawing*> open_drawing()
+/// Opened at the first call.
+const Result<LibraryFunction<GetFigureDrawing>>& drawing_library()
 {
-    static const Result<SharedLibrary> library =
-        open_program_library("figure", "the library that draws figures",
-                             "it is a part of the program: install it again");
-    if (!library) return tl::unexpected(library.error());
-    GetFigureDrawing* get = nullptr;
-    SymbolTable symbols(*library);
-    symbols.need(get, figure_drawing_name);
-    if (Status found = symbols.finish("it is of another version"); !found)
-        return tl::unexpected(found.error());
-    return get();
+    static const auto library = open_function<GetFigureDrawing>(
+        program_library("figure", "the library that draws figures",
+                        "it is a part of the program: install it again"),
+        figure_drawing_name);
+    return library;
 }
 
-/// Opened at the first call. Without it an installation is not whole, so that no function here has an error for it.
 const FigureDrawing& drawing()
 {
-    static const Result<const FigureDrawing*> opened = open_drawing();
-    if (!opened) throw std::runtime_error(describe(opened.error()));
-    return **opened;
+    const auto& library = drawing_library();
+    if (!library) throw std::runtime_error(describe(library.error()));
+    return *library->call();
 }
 
 } // namespace
+
+Status check_drawing()
+{
+    const auto& library = drawing_library();
+    return library ? Status() : tl::unexpected(library.error());
+}
 
 double text_length(std::string_view text, double size)
 {

@@ -1,6 +1,6 @@
 // A flat drawing of boxes, polygons, lines and text, drawn by cairo and Pango: as PNG, SVG or PDF, or
 // over a picture. These are in a library that the first call opens (figure_library.h); where it is missing, all
-// functions throw std::runtime_error.
+// functions but check_drawing throw std::runtime_error.
 //
 //     Figure figure{.width = 1200, .height = 800};
 //     figure.lines.push_back({{60, 700}, {1180, 700}, 0x333333, 2});
@@ -27,6 +27,9 @@ struct TextStyle {
     TextAnchor anchor = TextAnchor::start;
     TextTurn turn = TextTurn::level; ///< upward: read from below to above
 };
+
+/// Whether the library that draws is there, for commands to ask before long work. Errors: file_not_found, unsupported_format.
+[[nodiscard]] Status check_drawing();
 
 /// How long one line of this text is, in pixels, for capitals of this height.
 [[nodiscard]] double text_length(std::string_view text, double size);

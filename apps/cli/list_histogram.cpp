@@ -129,8 +129,8 @@ Figure histogram_figure(std::span<const HistogramSeries> series, HistogramOf wha
 Status write_histogram(std::span<const HistogramSeries> series, HistogramOf what,
                        const HistogramTitle& title, const std::string& path, Progress* progress)
 {
-    return write_plot(histogram_csv(series, what), histogram_figure(series, what, title), path,
-                      progress);
+    return write_plot([&] { return histogram_csv(series, what); },
+                      [&] { return histogram_figure(series, what, title); }, path, progress);
 }
 
 } // namespace proxima

@@ -173,20 +173,22 @@ Figure log_plot(std::span<const PlotSeries> series, PlotWords words)
 Status check_plot_format(const std::string& path)
 {
     const std::string extension = lower_case_extension(path);
-    for (const char* const known : {".csv", ".svg", ".pdf", ".png"})
-        if (extension == known) return {};
+    if (extension == ".csv") return {};
+    for (const char* const known : {".svg", ".pdf", ".png"})
+        if (extension == known) return check_drawing();
     return fail(ErrorCode::unsupported_format,
                 "unknown extension: plots are .csv, .svg, .pdf or .png", path);
 }
 
-Status write_plot(const std::string& csv, const Figure& figure, const std::string& path,
-                  Progress* progress)
+Status write_plot(const std::function<std::string()>& csv, const std::function<Figure()>& figure,
+                  const std::string& path, Progress* progress)
 {
     if (Status status = check_plot_format(path); !status) return status;
-    if (lower_case_extension(path) != ".csv") return write_figure(figure, path, progress);
-    auto output = OutputFile::create(path, {progress, csv.size()});
+    if (lower_case_extension(path) != ".csv") return write_figure(figure(), path, progress);
+    const std::string table = csv();
+    auto output = OutputFile::create(path, {progress, table.size()});
     if (!output) return tl::unexpected(output.error());
-    if (Status status = output->write(csv); !status) return status;
+    if (Status status = output->write(table); !status) return status;
     return output->commit();
 }
 

@@ -11,6 +11,7 @@
 #include "proxima/result.h"
 
 #include <array>
+#include <functional>
 #include <span>
 #include <string>
 #include <vector>
@@ -77,12 +78,13 @@ struct PlotSeries {
 [[nodiscard]] Figure log_plot(std::span<const PlotSeries> series, PlotWords words);
 
 /// What would go wrong with a file of this name: .csv, .svg, .pdf and .png are known.
-/// Error unsupported_format.
+/// Errors: unsupported_format; those of check_drawing for others than .csv.
 [[nodiscard]] Status check_plot_format(const std::string& path);
 
-/// The table to .csv, the figure to others. Errors: unsupported_format, file_not_writable,
+/// The table to .csv, the figure to others; the other one is not made. Errors: unsupported_format, file_not_writable,
 /// cancelled.
-[[nodiscard]] Status write_plot(const std::string& csv, const Figure& figure,
-                                const std::string& path, Progress* progress = nullptr);
+[[nodiscard]] Status write_plot(const std::function<std::string()>& csv,
+                                const std::function<Figure()>& figure, const std::string& path,
+                                Progress* progress = nullptr);
 
 } // namespace proxima

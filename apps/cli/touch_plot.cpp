@@ -1,6 +1,5 @@
 #include "cli/touch_plot.h"
 
-#include "base/file_extension.h"
 #include "cli/plot.h"
 #include "cli/touch_device.h"
 
@@ -221,9 +220,8 @@ TracedTick traced(const HapticRenderer& renderer) noexcept
 Status write_touch_plot(const TouchTrace& trace, const std::string& title, const std::string& note,
                         const std::string& path, Progress* progress)
 {
-    const bool table = lower_case_extension(path) == ".csv";
-    return write_plot(table ? touch_csv(trace) : std::string(),
-                      table ? Figure() : touch_figure(trace, title, note), path, progress);
+    return write_plot([&] { return touch_csv(trace); },
+                      [&] { return touch_figure(trace, title, note); }, path, progress);
 }
 
 } // namespace proxima

@@ -13,16 +13,13 @@ std::uint64_t vdb_bytes(const PointGrid& grid) noexcept
 
 Result<WriteVdb*> vdb_writer(const std::string& path)
 {
-    static const Result<SharedLibrary> library = open_program_library(
-        "vdb", "the library that writes .vdb",
-        "build the program where OpenVDB is (Debian's libopenvdb-dev), or write .npy or .vti");
+    static const auto library = open_function<WriteVdb>(
+        program_library("vdb", "the library that writes .vdb",
+                        "build the program where OpenVDB is (Debian's libopenvdb-dev), or write "
+                        ".npy or .vti"),
+        write_vdb_name);
     if (!library) return fail(ErrorCode::unsupported_format, library.error().message, path);
-    WriteVdb* writer = nullptr;
-    SymbolTable symbols(*library);
-    symbols.need(writer, write_vdb_name);
-    if (Status found = symbols.finish("it is of another version"); !found)
-        return tl::unexpected(found.error());
-    return writer;
+    return library->call;
 }
 
 Status write_vdb(const PointGrid& grid, std::span<const double> distances, double band,

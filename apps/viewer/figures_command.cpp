@@ -1,6 +1,7 @@
 // proxima figures: the figures of the thesis, as pictures with captions.
 #include "base/output_file.h"
 #include "base/text.h"
+#include "cli/figure.h"
 #include "cli/only_option.h"
 #include "cli/thesis_models.h"
 #include "proxima/execution.h"
@@ -47,6 +48,7 @@ Result<std::unique_ptr<Renderer>> make_renderer(const FiguresOptions& options,
 
 Status run_figures(const FiguresOptions& options, Session& session)
 {
+    if (Status status = check_drawing(); !status) return status;
     const std::filesystem::path folder = options.out;
     std::error_code error;
     std::filesystem::create_directories(folder, error);

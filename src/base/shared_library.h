@@ -63,4 +63,26 @@ private:
     std::string missing_;
 };
 
+/// What a library of this project's own exports: one function.
+template <class Function>
+struct LibraryFunction {
+    SharedLibrary library;
+    Function* call = nullptr; ///< while the library is open
+};
+
+/// Errors: file_not_found, as SharedLibrary::open; unsupported_format (a library of another version).
+template <class Function>
+[[nodiscard]] Result<LibraryFunction<Function>> open_function(const LibraryWanted& wanted,
+                                                              const char* name)
+{
+    auto library = SharedLibrary::open(wanted);
+    if (!library) return tl::unexpected(library.error());
+    LibraryFunction<Function> found{*std::move(library)};
+    SymbolTable symbols(found.library);
+    symbols.need(found.call, name);
+    if (Status status = symbols.finish("it is of another version"); !status)
+        return tl::unexpected(status.error());
+    return found;
+}
+
 } // namespace proxima

@@ -80,14 +80,18 @@ class WithoutTheLibrary(ProgramTest):
     def test_pictures_are_refused_and_all_else_works(self):
         with tempfile.TemporaryDirectory() as bare:
             program = shutil.copy(PROXIMA, bare)
-            picture = self.folder / "a.png"
-            for arguments, status in ((("octree", "cube"), 0), (("octree", "cube", "--picture", picture), 1),
-                                      (("figures", "--only", "4.2", "--out", self.folder), 1)):
+            deviation = ("deviation", "cube", "icosphere:3", "--histogram")
+            for arguments, status in ((("octree", "cube"), 0), (("octree", "cube", "--picture", "a.png"), 1), ((*deviation, "a.csv"), 0),
+                                      ((*deviation, "a.svg"), 1), (("figures", "--only", "4.2", "--out", "new"), 1)):
                 with self.subTest(arguments):
-                    result = subprocess.run([program, *map(str, arguments), "--quiet"], env=environment_of_program(), capture_output=True, text=True)
+                    result = subprocess.run([program, *arguments], env=environment_of_program(), cwd=self.folder, capture_output=True, text=True)
                     self.assertEqual(result.returncode, status, result.stderr)
-                    self.assertEqual(list(self.folder.iterdir()), [])
-                    if status != 0:
+                    written = [path.name for path in self.folder.iterdir()]
+                    self.assertEqual(written, ["a.csv"] if "a.csv" in arguments else [])
+                    for name in written:
+                        (self.folder / name).unlink()
+                    if status != 0:  # said before the work
+                        self.assertEqual(result.stdout, "")
                         self.assertRegex(result.stderr, rf"^proxima: the library that draws figures was not found: tried {bare}/libproxima_figure-\S+\.so "
                                                         r".*; it is a part of the program: install it again\n$")
 

@@ -18,14 +18,13 @@ std::filesystem::path own_folder()
     return std::filesystem::path(info.dli_fname).parent_path();
 }
 
-Result<SharedLibrary> open_scene_library()
+LibraryWanted scene_library()
 {
     const std::filesystem::path folder = own_folder();
-    return SharedLibrary::open(
-        {.what = "the library that reads 3DS, glTF and GLB",
-         .names = {folder / "proxima" / PROXIMA_SCENE_LIBRARY, folder / PROXIMA_SCENE_LIBRARY},
-         .named = {},
-         .advice = "install it there, or convert the file to OBJ, PLY, STL or OFF"});
+    return {.what = "the library that reads 3DS, glTF and GLB",
+            .names = {folder / "proxima" / PROXIMA_SCENE_LIBRARY, folder / PROXIMA_SCENE_LIBRARY},
+            .named = {},
+            .advice = "install it there, or convert the file to OBJ, PLY, STL or OFF"};
 }
 
 } // namespace
@@ -34,17 +33,12 @@ Result<TriangleMesh> read_with_assimp(const MeshSource& source, const std::files
                                       MeshFormat format, const ReadOptions& options,
                                       Vertices vertices)
 {
-    static const Result<SharedLibrary> library = open_scene_library();
+    static const auto library = open_function<ReadScene>(scene_library(), read_scene_name);
     if (!library) {
         return fail(ErrorCode::unsupported_format, library.error().message, source.name);
     }
-    ReadScene* read_scene = nullptr;
-    SymbolTable symbols(*library);
-    symbols.need(read_scene, read_scene_name);
-    if (Status found = symbols.finish("it is of another version"); !found)
-        return tl::unexpected(found.error());
     Result<TriangleMesh> mesh;
-    read_scene(source, folder, format, options, vertices, mesh);
+    library->call(source, folder, format, options, vertices, mesh);
     return mesh;
 }
 
