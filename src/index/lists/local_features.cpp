@@ -155,18 +155,18 @@ private:
     }
 
     /// A triangle whose normal says nothing, as its longest side: feet of points in it are between the
-    /// ends of that side, and its height is far less than the errors of floats.
+    /// ends of that side, and its height is far less than the errors of floats. One that is a point in
+    /// the frame has sides, too: of no length.
     void add_sliver(TriangleId triangle)
     {
         if (is_degenerate(mesh_.triangle(triangle))) return;
         const TriangleCorners& v = mesh_.triangles()[to_index(triangle)];
-        std::array<std::uint32_t, 2> ends{};
+        std::array<std::uint32_t, 2> ends{v[0], v[1]};
         double longest = 0;
         for (std::size_t i = 0; i < 3; ++i) {
             const double squared = (at(v[(i + 1) % 3]) - at(v[i])).squaredNorm();
             if (squared > longest) longest = squared, ends = {v[i], v[(i + 1) % 3]};
         }
-        if (longest == 0) return;
         begin(FeatureKind::edge);
         add_end_plane(ends[1], ends[0], ends[0]);
         add_end_plane(ends[0], ends[1], ends[1]);

@@ -161,6 +161,27 @@ TEST(ClosestInIndex, AnswersLikeListsOnSlivers)
     }
 }
 
+// Triangles whose corners are one point for the builder of lists, far from the middle of the mesh: some of them have
+// no vertex and no edge that no other one has.
+TEST(ClosestInIndex, AnswersLikeListsOnTrianglesThatArePointsBesideTheMesh)
+{
+    const TriangleMesh large = sphere_mesh(Vec3(1, 0.5, 2), 1.0, 20, 20);
+    for (const double size : {1e-18, 1e-24, 1e-40}) {
+        SCOPED_TRACE(size);
+        const TriangleMesh tiny = sphere_mesh(Vec3::Zero(), size, 8, 8);
+        const TriangleMesh mesh = joined(large, tiny);
+        const Topology topology = build_topology(mesh).value();
+        const MeshIndex listed = with_lists(build_mesh_index(mesh).value()).value();
+        int faces = 0;
+        for (const Vec3& p : proximity_points(tiny, 200, 21)) {
+            const ClosestFeature truth = closest_feature_by_brute_force(mesh, topology, p);
+            faces += truth.feature.kind == FeatureKind::face ? 1 : 0;
+            expect_same(closest_feature(listed, p), truth);
+        }
+        EXPECT_GT(faces, 20);
+    }
+}
+
 TEST(ClosestInIndex, AnswersLikeLists)
 {
     for (const char* const name : {"spaceship:20000", "sphere:40x40"}) {
