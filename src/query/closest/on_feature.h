@@ -10,6 +10,9 @@
 
 namespace proxima {
 
+/// What distances may be wrong by, in the largest coordinate of the point and the triangle.
+inline constexpr double on_feature_rounding = 0x1p-44;
+
 struct EdgeEnds {
     Vec3 low; ///< of the lower vertex id
     Vec3 high;
@@ -32,12 +35,11 @@ template <class Scalar>
                                  double distance, const Vec3& p) noexcept
 {
     if (distance == 0) return true;
-    constexpr double rounding = 0x1p-44;
     const Triangle triangle = row.corners();
     double size = p.cwiseAbs().maxCoeff();
     for (const Vec3& corner : triangle.vertices)
         size = std::max(size, corner.cwiseAbs().maxCoeff());
-    if (distance > rounding * size) return false;
+    if (distance > on_feature_rounding * size) return false;
     if (feature.kind == FeatureKind::face)
         return orient3d(triangle[0], triangle[1], triangle[2], p) == 0;
     if (feature.kind == FeatureKind::vertex) return false;

@@ -9,6 +9,7 @@
 #include "index/signs/sign_geometry.h"
 #include "index/signs/sign_parts.h"
 #include "query/closest/describe_closest.h"
+#include "query/closest/on_feature.h"
 #include "query/closest/winding_side.h"
 #include "query/field/open_sides.h"
 #include "query/field/search_grid.h"
@@ -20,6 +21,12 @@
 namespace proxima {
 
 namespace {
+
+/// How far points are searched for: the band, or what distances of points on the surface may be wrong by.
+double reach_of(const IndexParts& index, const PointGrid& grid, double band) noexcept
+{
+    return std::max(band, on_feature_rounding * largest_coordinate(index, grid));
+}
 
 /// Whether the sides of an open mesh's blocks are worth what OpenSides costs.
 bool asks_open_sides(const IndexParts& index, const PointGrid& grid) noexcept
@@ -35,7 +42,7 @@ public:
     FieldWriter(const MeshIndex& index, const PointGrid& grid, const FieldOutputs& outputs,
                 const FieldOptions& options)
         : index_(index), parts_(index.parts()), grid_(grid), to_(outputs), band_(options.band),
-          progress_(options.execution.progress)
+          reach_(reach_of(index.parts(), grid, options.band)), progress_(options.execution.progress)
     {
         if (asks_open_sides(parts_, grid)) open_.emplace(parts_);
     }
@@ -49,7 +56,7 @@ public:
         const RowDistance* found = answers.found.data();
         for_each_point(answers.block, [&](std::size_t at, const Vec3& p) {
             const double distance = answers.found.empty() ? HUGE_VAL : distance_of(*found);
-            if (!(distance <= band_)) {
+            if (!(distance <= (is_plain ? band_ : reach_))) {
                 put_beyond(at, is_inside(p));
             } else if (is_plain && distance > 0) {
                 to_.distances[at] = is_inside(p) ? -distance : distance;
@@ -76,14 +83,12 @@ public:
     void write_one_by_one(const GridBlock& block) const
     {
         for_each_point(block, [&](std::size_t at, const Vec3& p) {
-            const SignedDistance answer = *signed_distance(index_, p);
-            if (std::abs(answer.distance) <= band_) {
-                put_answer(at, p, answer);
-            } else {
-                put_beyond(at, std::signbit(answer.distance));
-            }
+            put_answer(at, p, *signed_distance(index_, p));
         });
     }
+
+    /// Nothing farther need be searched for.
+    [[nodiscard]] double reach() const noexcept { return reach_; }
 
 private:
     /// Calls visit(position, point) with x running fastest. Ends where the work shall stop: a winding
@@ -114,6 +119,7 @@ private:
 
     void put_answer(std::size_t at, const Vec3& p, const SignedDistance& answer) const
     {
+        if (std::abs(answer.distance) > band_) return put_beyond(at, std::signbit(answer.distance));
         put(at, answer.distance,
             to_.gradients.empty() ? Vec3(Vec3::Zero()) : gradient_of(answer, p), answer.method);
     }
@@ -148,6 +154,7 @@ private:
     const PointGrid& grid_;
     const FieldOutputs& to_;
     double band_;
+    double reach_;
     Progress* progress_;
     std::optional<OpenSides> open_;
 };
@@ -223,7 +230,7 @@ Status distance_field(const MeshIndex& index, const PointGrid& grid, const Field
                 const auto side_of = [&](const ClearBall& ball) { return writer.side_of(ball); };
                 const auto take = [&](const GridAnswers& answers) { writer.write(answers); };
                 search_grid(index.parts(), grid, block,
-                            {options.band, writer.has_open_sides(), side_of, take, progress});
+                            {writer.reach(), writer.has_open_sides(), side_of, take, progress});
             } else {
                 writer.write_one_by_one(block);
             }

@@ -44,12 +44,8 @@ public:
         : search_(search), index_(search.index), lanes_(index_, search.squared),
           blocks_(index_.blocks().data())
     {
-        const PointGrid& grid = search.grid;
-        const Vec3 last = grid.point(grid.size[0] - 1, grid.size[1] - 1, grid.size[2] - 1);
-        const double size = std::max({grid.origin.cwiseAbs().maxCoeff(), last.cwiseAbs().maxCoeff(),
-                                      index_.center().cwiseAbs().maxCoeff() + index_.unscale()});
         // More than coordinates are rounded by, and more than signs allow points on the surface.
-        rounding_ = 0x1p-40 * size;
+        rounding_ = 0x1p-40 * largest_coordinate(index_, search.grid);
     }
 
     void run(const GridBlock& block)
@@ -442,6 +438,13 @@ HWY_AFTER_NAMESPACE();
 namespace proxima {
 
 HWY_EXPORT(search_grid_block);
+
+double largest_coordinate(const IndexParts& index, const PointGrid& grid) noexcept
+{
+    const Vec3 last = grid.point(grid.size[0] - 1, grid.size[1] - 1, grid.size[2] - 1);
+    return std::max({grid.origin.cwiseAbs().maxCoeff(), last.cwiseAbs().maxCoeff(),
+                     index.center().cwiseAbs().maxCoeff() + index.unscale()});
+}
 
 void search_grid(const IndexParts& index, const PointGrid& grid, const GridBlock& block,
                  const GridQuestion& question)

@@ -60,6 +60,9 @@ struct GridQuestion {
     Progress* progress; ///< may be null; where it asks to stop, answers from then on are worthless
 };
 
+/// Of the grid's points and the mesh, in size.
+[[nodiscard]] double largest_coordinate(const IndexParts& index, const PointGrid& grid) noexcept;
+
 /// Searches for the closest features of a block's points and hands them over in pieces, each point
 /// once. \pre the grid's points are finite, the block is in the grid
 /// and no side is longer than grid_block_side

@@ -16,6 +16,7 @@
 #include <filesystem>
 #include <gtest/gtest.h>
 #include <map>
+#include <random>
 #include <string>
 #include <unistd.h>
 #include <vector>
@@ -235,6 +236,34 @@ TEST(DistanceField, HasThemWhereSquaresLeaveTheDoubles)
             });
         }
     }
+}
+
+// Points that are on a face exactly, though not as distances are computed.
+TEST(DistanceField, HasThemOnTheSurfaceWithinTheNarrowestBand)
+{
+    constexpr std::uint32_t seed = 5;
+    SCOPED_TRACE(seed);
+    std::mt19937 random(seed);
+    std::uniform_int_distribution<int> whole(-(1 << 30), 1 << 30);
+    const auto in_plane = [&](double part) {
+        const double x = part * std::ldexp(whole(random), -30);
+        const double y = part * std::ldexp(whole(random), -30);
+        return Vec3(x, y, -(x + y));
+    };
+    int beside = 0; // as computed
+    for (int i = 0; i < 50; ++i) {
+        const Vec3 first = in_plane(1);
+        const Vec3 second = in_plane(1);
+        const Signed of(mesh_of({first, second, -first - second, Vec3(1, 1, 1)},
+                                {{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {2, 0, 3}}));
+        for (int k = 0; k < 20; ++k) {
+            const Vec3 p = in_plane(0.0625);
+            expect_single_answers(of, {.origin = p, .spacing = 1, .size = {1, 1, 1}}, 1e-30);
+            const SignedDistance single = of.at(p);
+            if (single.distance == 0 && single.closest.squared_distance > 0) ++beside;
+        }
+    }
+    EXPECT_GT(beside, 100);
 }
 
 TEST(DistanceField, HasThemFromIndexesThatWereMovedOrSaved)
