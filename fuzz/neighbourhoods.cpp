@@ -26,7 +26,7 @@ struct Truth {
 
 Truth triangles_one_by_one(const TriangleMesh& mesh, const Topology& topology, const Vec3& p)
 {
-    Truth truth{row_scale_of(bounding_box(mesh)), {}};
+    Truth truth{row_scale_of(mesh), {}};
     for (std::uint32_t i = 0; i < mesh.triangle_count(); ++i) {
         NearestFeature nearest;
         offer_triangle(mesh, topology, TriangleId{i}, p, truth.scale, nearest);

@@ -10,13 +10,12 @@ ClosestFeature closest_feature_by_brute_force(const TriangleMesh& mesh, const To
 {
     PROXIMA_CHECK_GT(mesh.triangle_count(), 0U);
     if (!p.allFinite()) return no_closest_feature();
-    const Box box = bounding_box(mesh);
-    const RowScale scale = row_scale_of(box);
+    const RowScale scale = row_scale_of(mesh);
     const auto is_used = [&](std::uint32_t id) {
         return !topology.triangles(VertexId{id}).empty();
     };
     NearestFeature best;
-    const double distance = ((p - box.center()) * scale.up).cwiseAbs().maxCoeff();
+    const double distance = ((p - bounding_box(mesh).center()) * scale.up).cwiseAbs().maxCoeff();
     if (!(distance < endless_distance)) {
         std::uint32_t first = 0;
         while (!is_used(first)) ++first;

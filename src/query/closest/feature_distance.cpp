@@ -1,6 +1,7 @@
 #include "query/closest/feature_distance.h"
 
 #include "geometry/closest_point.h"
+#include "index/binary_tree.h"
 #include "index/row_tables.h"
 
 #include <algorithm>
@@ -87,13 +88,10 @@ std::size_t corner_of(const TriangleCorners& corners, VertexId vertex) noexcept
 
 } // namespace
 
-RowScale row_scale_of(const Box& box) noexcept
+RowScale row_scale_of(const TriangleMesh& mesh) noexcept
 {
-    const double extent = box.extent().maxCoeff();
-    if (!(extent > 0)) return {};
-    const double largest = std::isfinite(extent) ? extent : std::numeric_limits<double>::max();
-    const int exponent = std::clamp(-std::ilogb(largest), -1000, 1000);
-    return {std::ldexp(1.0, exponent), std::ldexp(1.0, -exponent)};
+    const double scale = index_frame(bounding_box(mesh), has_floats(mesh)).scale;
+    return {scale, 1 / scale};
 }
 
 double squared_distance(const Vec3& vertex, const Vec3& p, const RowScale& scale) noexcept

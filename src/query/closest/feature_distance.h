@@ -43,8 +43,8 @@ inline constexpr double endless_distance = 0x1p500;
     return x * x + y * y + z * z;
 }
 
-/// The scale for a mesh in that box.
-[[nodiscard]] RowScale row_scale_of(const Box& box) noexcept;
+/// The scale that indexes of the mesh have. O(vertices).
+[[nodiscard]] RowScale row_scale_of(const TriangleMesh& mesh) noexcept;
 
 [[nodiscard]] double squared_distance(const Vec3& vertex, const Vec3& p,
                                       const RowScale& scale) noexcept;

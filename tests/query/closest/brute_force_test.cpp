@@ -237,7 +237,7 @@ TEST(FeatureDistance, OfATriangleIsTheLeastOfItsFeatures)
         const TriangleMesh& mesh = named.mesh;
         const Topology topology = build_topology(mesh).value();
         for (const Vec3& p : proximity_points(mesh, 30, 3)) {
-            const RowScale scale = row_scale_of(bounding_box(mesh));
+            const RowScale scale = row_scale_of(mesh);
             NearestFeature best;
             for (std::uint32_t i = 0; i < mesh.triangle_count(); ++i) {
                 offer_triangle(mesh, topology, TriangleId{i}, p, scale, best);

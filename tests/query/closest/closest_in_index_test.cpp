@@ -208,6 +208,19 @@ TEST(ClosestInIndex, FindsTheInsideOfSlivers)
     EXPECT_EQ(found->feature, (Feature{FeatureKind::face, 0}));
 }
 
+// Points that are over a triangle by the least that doubles tell, seen from its side.
+TEST(ClosestInIndex, AnswersLikeBruteForceForTheSmallestCoordinates)
+{
+    constexpr double least = std::numeric_limits<double>::denorm_min();
+    const TriangleMesh mesh = mesh_of({Vec3(1, 1, 1), Vec3(1, 1, 0), Vec3(0, 0, 0)}, {{0, 1, 2}});
+    std::vector<Vec3> points;
+    for (int i = 0; i < 20; ++i) {
+        for (const double z : {least, 2 * least, 3 * least, -least})
+            points.emplace_back(0.01 * i, 0.05 - 0.02 * i, z);
+    }
+    expect_answers_of_brute_force(mesh, points);
+}
+
 // All triangles are as near, but for rounding: more candidates than are kept.
 TEST(ClosestInIndex, AnswersAtTheCentreOfASphere)
 {

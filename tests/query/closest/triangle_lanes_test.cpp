@@ -17,7 +17,7 @@ TEST(TriangleLanes, AreExactUpToTheirLimit)
         const TriangleMesh& mesh = named.mesh;
         const Topology topology = build_topology(mesh).value();
         const Box box = bounding_box(mesh);
-        const double scale = row_scale_of(box).up;
+        const double scale = row_scale_of(mesh).up;
         const double reach = scale * box.lower.cwiseAbs().cwiseMax(box.upper.cwiseAbs()).maxCoeff();
         int slivers = 0;
         int total = 0;
