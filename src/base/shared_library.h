@@ -81,7 +81,7 @@ template <class Function>
     SymbolTable symbols(found.library);
     symbols.need(found.call, name);
     if (Status status = symbols.finish("it is of another version"); !status)
-        return tl::unexpected(status.error());
+        return fail(ErrorCode::unsupported_format, describe(status.error()));
     return found;
 }
 
