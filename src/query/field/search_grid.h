@@ -60,7 +60,8 @@ struct GridQuestion {
     Progress* progress; ///< may be null; where it asks to stop, answers from then on are worthless
 };
 
-/// Of the grid's points and the mesh, in size.
+/// How far any coordinate of the grid's points or of the mesh is from 0, at most, in the mesh's unit of
+/// length.
 [[nodiscard]] double largest_coordinate(const IndexParts& index, const PointGrid& grid) noexcept;
 
 /// Searches for the closest features of a block's points and hands them over in pieces, each point
