@@ -1,5 +1,7 @@
 #include "geometry/closest_point.h"
 
+#include "geometry/exact_predicates.h"
+
 #include <algorithm>
 #include <limits>
 
@@ -11,6 +13,9 @@ double foot(const Vec3& v, const Vec3& direction, double squared_length)
 {
     return squared_length > 0 ? v.dot(direction) / squared_length : 0;
 }
+
+/// Below this share of its longest side, squared, a height may be nothing but rounding.
+constexpr double least_height = 0x1p-90;
 
 } // namespace
 
@@ -54,6 +59,7 @@ std::optional<TrianglePoint> closest_point_inside(const Triangle& triangle, cons
     const double at_base = 1 - at_apex - at_next;
 
     if (!(h_squared > 0 && at_apex > 0 && at_next > 0 && at_base > 0)) return std::nullopt;
+    if (h_squared < least_height * u_squared && is_degenerate(triangle)) return std::nullopt;
     TrianglePoint result;
     result.weights[base] = at_base;
     result.weights[next] = at_next;

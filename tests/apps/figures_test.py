@@ -1,4 +1,5 @@
 """proxima figures as its users run it."""
+import pathlib
 import re
 import shutil
 import subprocess
@@ -94,6 +95,17 @@ class WithoutTheLibrary(ProgramTest):
                         self.assertEqual(result.stdout, "")
                         self.assertRegex(result.stderr, rf"^proxima: the library that draws figures was not found: tried {bare}/libproxima_figure-\S+\.so "
                                                         r".*; it is a part of the program: install it again\n$")
+
+    def test_a_library_of_another_version_is_named(self):
+        library, = pathlib.Path(PROXIMA).parent.glob("libproxima_figure-*.so")
+        other = re.search(r"/\S+/libm\.so\S*", pathlib.Path("/proc/self/maps").read_text())[0]
+        with tempfile.TemporaryDirectory() as bare:
+            program = shutil.copy(PROXIMA, bare)
+            shutil.copy(other, f"{bare}/{library.name}")
+            result = subprocess.run([program, "octree", "cube", "--picture", "a.png"], env=environment_of_program(), cwd=self.folder,
+                                    capture_output=True, text=True)
+            self.assertEqual((result.returncode, result.stdout, list(self.folder.iterdir())), (1, "", []))
+            self.assertRegex(result.stderr, rf"^proxima: {bare}/{library.name}: lacks \w+: it is of another version.*\n$")
 
 
 if __name__ == "__main__":

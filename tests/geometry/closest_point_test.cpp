@@ -113,6 +113,24 @@ TEST(ClosestPoint, OnATriangleIsNearest)
     for (const int count : parts) EXPECT_GT(count, 500);
 }
 
+// Their heights, as computed, are roundings along the longest side.
+TEST(ClosestPoint, IsOnASideOfTrianglesWithoutAnArea)
+{
+    std::mt19937 random(5);
+    std::uniform_real_distribution<double> uniform(-1, 1);
+    for (int i = 0; i < 20'000; ++i) {
+        const auto on_line = [&, across = i % 2] {
+            const double along = std::ldexp(uniform(random), -static_cast<int>(random() % 60));
+            return Vec3(across * along, -3.25, along);
+        };
+        const Triangle triangle = {{on_line(), on_line(), on_line()}};
+        for (const Vec3& p : {on_line(), Vec3(on_line() + Vec3(1e-9, 1e-9, 0))}) {
+            EXPECT_FALSE(closest_point_inside(triangle, p)) << i;
+            EXPECT_NE(closest_point(triangle, p).part, TrianglePart::inside) << i;
+        }
+    }
+}
+
 TEST(ClosestPoint, OfTwoSegmentsIsNearest)
 {
     int crossing = 0;

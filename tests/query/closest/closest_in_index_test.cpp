@@ -182,6 +182,34 @@ TEST(ClosestInIndex, AnswersLikeListsOnTrianglesThatArePointsBesideTheMesh)
     }
 }
 
+// A triangle without an area counts as its sides, however roundings make it look.
+TEST(ClosestInIndex, NamesNoFaceOfTrianglesWithoutAnArea)
+{
+    std::mt19937 random(22);
+    std::uniform_real_distribution<double> uniform(-1, 1);
+    std::vector<Vec3> corners;
+    std::vector<TriangleCorners> triangles;
+    const auto on_line = [&](std::uint32_t line) {
+        return Vec3(3 + line, -2, std::ldexp(uniform(random), -static_cast<int>(random() % 120)));
+    };
+    for (std::uint32_t i = 0; i < 40; ++i) {
+        for (int k = 0; k < 3; ++k) corners.push_back(on_line(i));
+        triangles.push_back({3 * i, 3 * i + 1, 3 * i + 2});
+    }
+    const TriangleMesh mesh =
+        joined(sphere_mesh(Vec3::Zero(), 1.0, 8, 8), mesh_of(corners, triangles));
+    const Topology topology = build_topology(mesh).value();
+    const MeshIndex index = build_mesh_index(mesh).value();
+    const MeshIndex listed = with_lists(index).value();
+    for (std::uint32_t i = 0; i < 2000; ++i) {
+        const Vec3 p = on_line(i % 40);
+        const ClosestFeature truth = closest_feature_by_brute_force(mesh, topology, p);
+        EXPECT_NE(truth.feature.kind, FeatureKind::face);
+        expect_same(closest_feature(index, p), truth);
+        expect_same(closest_feature(listed, p), truth);
+    }
+}
+
 TEST(ClosestInIndex, AnswersLikeLists)
 {
     for (const char* const name : {"spaceship:20000", "sphere:40x40"}) {
