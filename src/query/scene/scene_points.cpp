@@ -89,9 +89,11 @@ private:
         const Vec3 local = instance_frame(scene_.poses[at])(p_);
         double wanted = options_.radius;
         if (best_) {
-            // Distances of answers are off from those that the index compares by their points' rounding.
+            // Distances of answers are off from those that the index compares by their points' rounding,
+            // which is half a step for each coordinate where doubles end.
             const double rounding =
-                0x1p-48 * ((*scene_.shapes)[row.shape].reach + local.cwiseAbs().maxCoeff());
+                0x1p-48 * ((*scene_.shapes)[row.shape].reach + local.cwiseAbs().maxCoeff()) +
+                2 * std::numeric_limits<double>::denorm_min();
             wanted = std::min(wanted, radius_ * (1 + 0x1p-40) + rounding);
         }
         const auto closest = closest_feature(scene_.index(row), local, {.radius = wanted});

@@ -5,6 +5,7 @@
 
 #include <cmath>
 #include <gtest/gtest.h>
+#include <limits>
 
 namespace proxima::scene_rounding_test {
 namespace {
@@ -72,6 +73,30 @@ TEST(Scene, FindsTheNearestOfManyThatDifferInTheLastBits)
         const auto truth = closest_one_by_one(of, p, {});
         ASSERT_TRUE(truth);
         ASSERT_TRUE(same(closest_feature(scene, p), truth)) << truth->distance;
+    }
+}
+
+// Distances of a few of the smallest steps that doubles have: many are the same once they are rounded.
+TEST(Scene, FindsTheFirstOfThoseThatAreAsNearWhereDoublesEnd)
+{
+    constexpr std::uint64_t seed = 14;
+    SCOPED_TRACE(::testing::Message() << "seed " << seed);
+    SceneGenerator random(seed);
+    const auto place = [&] {
+        const Vec3 steps = (3 * random.vector()).array().round();
+        return Vec3(std::numeric_limits<double>::denorm_min() * steps);
+    };
+    for (int i = 0; i < 300; ++i) {
+        RandomScene of;
+        of.shapes.push_back(triangle_shape(place(), place(), place()));
+        of.instances.resize(6);
+        for (Instance& instance : of.instances) instance.pose.translation = place();
+        const Scene scene = build_scene(of.shapes, of.instances).value();
+        for (int k = 0; k < 10; ++k) {
+            const Vec3 p = place();
+            const auto truth = closest_one_by_one(of, p, {});
+            ASSERT_TRUE(same(closest_feature(scene, p), truth)) << i << ' ' << k;
+        }
     }
 }
 
