@@ -1,6 +1,7 @@
 #include "query/closest/feature_distance.h"
 
 #include "geometry/closest_point.h"
+#include "geometry/exact_predicates.h"
 #include "index/binary_tree.h"
 #include "index/row_tables.h"
 
@@ -147,13 +148,15 @@ FaceFoot foot_inside(const Triangle& face, const Vec3& p, const RowScale& scale)
 ThinInside inside_of_thin(const Triangle& triangle, const Vec3& p, const RowScale& scale) noexcept
 {
     const double up = unit_of_thin(triangle, scale);
-    Triangle scaled = triangle;
-    for (Vec3& corner : scaled.vertices) corner *= up;
-    const Vec3 point = p * up;
+    // From a corner, as differences of coordinates: the closest point itself would be rounded to these.
+    const auto from_corner = [&](const Vec3& q) -> Vec3 { return (q - triangle[0]) * up; };
+    const Triangle scaled = {{Vec3::Zero(), from_corner(triangle[1]), from_corner(triangle[2])}};
+    const Vec3 point = from_corner(p);
     // From so far its corners are as near as its inside.
-    if (!((point - scaled[0]).cwiseAbs().maxCoeff() < endless_distance)) return {};
+    if (!(point.cwiseAbs().maxCoeff() < endless_distance)) return {};
     const TrianglePoint inside = closest_point(scaled, point);
-    if (inside.part != TrianglePart::inside) return {};
+    // Differences may be rounded off one line.
+    if (inside.part != TrianglePart::inside || is_degenerate(triangle)) return {};
     const Vec3 apart = (point - inside.point) * (scale.up / up);
     return {apart.squaredNorm(), inside.weights};
 }

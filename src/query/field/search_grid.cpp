@@ -217,8 +217,11 @@ private:
     [[nodiscard]] HWY_NOINLINE CoveredBox cover(const Box& box, const EightTriangles& closest,
                                                 float extent) const
     {
-        const Vec3 middle = (box.center() - index_.center()) * index_.scale();
-        const Vec3 half = 0.5 * box.extent() * index_.scale();
+        // Of differences alone: far from the origin the box's center is rounded by more than floats are.
+        const Vec3 lower = (box.lower - index_.center()) * index_.scale();
+        const Vec3 upper = (box.upper - index_.center()) * index_.scale();
+        const Vec3 middle = 0.5 * (lower + upper);
+        const Vec3 half = 0.5 * (upper - lower);
         CoveredBox covered;
         float at[3];
         HWY_ALIGN float corners[3][8];

@@ -210,6 +210,45 @@ TEST(ClosestInIndex, NamesNoFaceOfTrianglesWithoutAnArea)
     }
 }
 
+// Quarters, so that differences are exact: only answers that are rounded to coordinates can change.
+TEST(ClosestInIndex, MeasuresSliversFarFromTheOriginAsNearIt)
+{
+    std::mt19937 random(23);
+    std::uniform_int_distribution<int> number(-40, 40);
+    const auto place = [&] {
+        return Vec3(0.25 * number(random), 0.25 * number(random), 0.25 * number(random));
+    };
+    int faces = 0;
+    for (int i = 0; i < 200; ++i) {
+        SCOPED_TRACE(i);
+        std::vector<Vec3> corners;
+        std::vector<TriangleCorners> triangles;
+        for (std::uint32_t k = 0; k < 12; ++k) {
+            const Vec3 a = place();
+            const Vec3 side = place();
+            for (const Vec3& corner : {a, Vec3(a + 8 * side), Vec3(a + 3 * side + 0.05 * place())})
+                corners.push_back((4 * corner).array().round() / 4);
+            triangles.push_back({3 * k, 3 * k + 1, 3 * k + 2});
+        }
+        const Vec3 offset(0x1p50, -0x1p49, 0x1p44);
+        std::vector<Vec3> moved;
+        for (const Vec3& corner : corners) moved.push_back(corner + offset);
+        const MeshIndex here = build_mesh_index(mesh_of(corners, triangles)).value();
+        const MeshIndex there = build_mesh_index(mesh_of(moved, triangles)).value();
+        for (int k = 0; k < 50; ++k) {
+            const std::size_t at = 3 * static_cast<std::size_t>(k % 12);
+            const Vec3 p = 0.75 * corners[at] + 0.25 * corners[at + 1] + 0.05 * place();
+            const Vec3 q = (4 * p).array().round() / 4;
+            const ClosestFeature near = closest_feature(here, q).value();
+            const ClosestFeature far = closest_feature(there, q + offset).value();
+            EXPECT_EQ(far.feature, near.feature);
+            EXPECT_EQ(far.squared_distance, near.squared_distance);
+            faces += near.feature.kind == FeatureKind::face ? 1 : 0;
+        }
+    }
+    EXPECT_GT(faces, 500);
+}
+
 TEST(ClosestInIndex, AnswersLikeLists)
 {
     for (const char* const name : {"spaceship:20000", "sphere:40x40"}) {

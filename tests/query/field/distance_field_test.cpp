@@ -266,6 +266,28 @@ TEST(DistanceField, HasThemOnTheSurfaceWithinTheNarrowestBand)
     EXPECT_GT(beside, 100);
 }
 
+// Where points of the grid are a rounding of their coordinates apart.
+TEST(DistanceField, HasThemFarFromTheOrigin)
+{
+    constexpr std::uint32_t seed = 6;
+    SCOPED_TRACE(seed);
+    std::mt19937 random(seed);
+    std::uniform_int_distribution<int> number(0, 39);
+    std::uniform_int_distribution<std::uint32_t> corner(0, 11);
+    for (int i = 0; i < 5; ++i) {
+        std::vector<Vec3> corners;
+        std::vector<TriangleCorners> triangles;
+        for (int k = 0; k < 12; ++k) {
+            const Vec3 place(number(random), number(random), number(random));
+            corners.push_back(Vec3(0x1p50, 0, 0) + 0.25 * place);
+            triangles.push_back({corner(random), corner(random), corner(random)});
+        }
+        const Signed of(mesh_of(corners, triangles));
+        expect_single_answers(
+            of, {.origin = Vec3(0x1p50 - 1, -1, -1), .spacing = 0.25, .size = {48, 48, 48}});
+    }
+}
+
 TEST(DistanceField, HasThemFromIndexesThatWereMovedOrSaved)
 {
     const TriangleMesh ball = sample_mesh("icosphere:4").value();
