@@ -1,10 +1,12 @@
 // Meshes and points decoded from the bytes of a fuzzer: any bytes are some mesh. Few values make
-// vertices coincide, triangles lie in one plane and touch; scales and offsets make numbers round.
+// vertices coincide, triangles lie in one plane and touch; scales and offsets make numbers round, and
+// powers of two far apart make parts tiny beside others.
 #pragma once
 
 #include "proxima/triangle_mesh.h"
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <cmath>
 #include <cstddef>
@@ -48,24 +50,26 @@ public:
     explicit PositionCode(Bytes& bytes) noexcept
     {
         const std::uint8_t form = bytes.next();
-        has_floats_ = form % 4 == 3;
-        grid_ = std::ldexp(1.0, -static_cast<int>(form / 4 % 4) * 2);
+        const int detail = form / 4 % 4;
+        if (form % 4 == 3)
+            kind_ = detail < 2 ? Kind::floats : detail < 3 ? Kind::powers : Kind::clusters;
+        grid_ = std::ldexp(1.0, -detail * 2);
         constexpr double scales[] = {1, 1, 1, 1e-30, 1e30, 0.1, 1e-6, 3e9};
         scale_ = scales[form / 16 % 8];
         if (form >= 128) offset_ = Vec3(1e9 * scale_, -3e8 * scale_, 0);
+        if (has_powers()) {
+            for (double& power : powers_) power = std::ldexp(1.0, bytes.next_signed());
+        }
     }
 
-    /// Whole numbers of a byte each, times a power of two, some of them moved to the next double; or
-    /// any floats.
     [[nodiscard]] Vec3 next(Bytes& bytes) const noexcept
     {
         Vec3 p;
-        for (double& x : p) {
-            x = has_floats_ ? any_float(bytes.next_word()) : grid_ * bytes.next_signed() / 8;
-            x *= scale_;
-        }
+        const std::uint8_t sizes = has_powers() ? bytes.next() : 0;
+        for (int axis = 0; axis < 3; ++axis)
+            p[axis] = scale_ * number(bytes, sizes >> 2 * axis & 3U);
         p += offset_;
-        if (!has_floats_) {
+        if (kind_ != Kind::floats) {
             const std::uint8_t moved = bytes.next();
             for (int axis = 0; axis < 3; ++axis) {
                 if ((moved >> axis & 1U) != 0 && moved >= 128)
@@ -76,6 +80,34 @@ public:
     }
 
 private:
+    enum class Kind : std::uint8_t {
+        grid, ///< whole numbers of a byte each, times a power of two, some moved to the next double
+        floats,  ///< any floats
+        powers,  ///< whole numbers times one of four powers of two each, 2^-128 to 2^127
+        clusters ///< one or none of the largest of these powers, and some of a smaller one
+    };
+
+    [[nodiscard]] bool has_powers() const noexcept
+    {
+        return kind_ == Kind::powers || kind_ == Kind::clusters;
+    }
+
+    [[nodiscard]] double number(Bytes& bytes, unsigned size) const noexcept
+    {
+        switch (kind_) {
+        case Kind::grid:
+            return grid_ * bytes.next_signed() / 8;
+        case Kind::floats:
+            return any_float(bytes.next_word());
+        case Kind::powers:
+            return powers_[size] * bytes.next_signed();
+        case Kind::clusters:
+            break;
+        }
+        const double place = size % 2 == 0 ? 0 : *std::ranges::max_element(powers_);
+        return place + powers_[size / 2] * bytes.next_signed();
+    }
+
     /// A number of either sign, with any digits, whose size is between 2^-64 and 2^64.
     static double any_float(std::uint32_t bits) noexcept
     {
@@ -84,9 +116,10 @@ private:
         return std::ldexp((bits >> 31U) != 0 ? -digits : digits, exponent);
     }
 
-    bool has_floats_ = false;
+    Kind kind_ = Kind::grid;
     double grid_ = 1;
     double scale_ = 1;
+    std::array<double, 4> powers_{};
     Vec3 offset_ = Vec3::Zero();
 };
 
