@@ -164,7 +164,7 @@ void fill_parent(WindingCluster& parent, Extent& extent, const WindingCluster& l
     add_child(parent, extent, left, left_extent, unit);
     add_child(parent, extent, right, right_extent, unit);
     const Vec3 corner = (center - extent.box.lower).cwiseMax(extent.box.upper - center);
-    parent.radius = std::min(parent.radius, corner.norm() * unit);
+    parent.radius = std::min(parent.radius, (corner * unit).norm());
     remove_traces(parent);
 }
 

@@ -52,6 +52,7 @@ std::vector<NamedMesh> meshes()
 {
     const TriangleMesh sphere = sphere_mesh(Vec3(0.1, 0.2, 0.3), 1.0, 40, 40);
     const TriangleMesh torus = torus_mesh(1.0, 0.3, 60, 30);
+    const TriangleMesh open_torus = without(torus, [](std::size_t i) { return i < 400; });
     std::mt19937 random(3);
     std::uniform_real_distribution<double> place(-1.0, 1.0);
     std::vector<Vec3> corners;
@@ -64,7 +65,8 @@ std::vector<NamedMesh> meshes()
     return {
         {"sphere", sphere},
         {"torus", torus},
-        {"open torus", without(torus, [](std::size_t i) { return i < 400; })},
+        {"open torus", open_torus},
+        {"without squares", moved(open_torus, [](const Vec3& p) { return Vec3(p * 0x1p-560); })},
         {"shell", joined(sphere, inverted(sphere_mesh(Vec3(0.1, 0.2, 0.3), 0.5, 20, 20)))},
         {"soup", mesh_of(corners, soup)},
         {"one triangle", mesh_of({Vec3(0, 0, 0), Vec3(1, 0, 0), Vec3(0, 1, 0)}, {{0, 1, 2}})},
