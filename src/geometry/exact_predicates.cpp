@@ -1,6 +1,7 @@
 #include "geometry/exact_predicates.h"
 
 #include "geometry/expansion.h"
+#include "geometry/length.h"
 #include "geometry/wide_integer.h"
 
 #include <algorithm>
@@ -238,63 +239,28 @@ int cross_component_sign(const Displacement& u, const SumDisplacement& w, int ax
     return exact_cross_component_sign<ByWideIntegers>(u, w, axis);
 }
 
-namespace {
-
-Vec3 unit_normal_by_determinants(const Displacement& u, const Displacement& v) noexcept
+Vec3 unit_normal(const Displacement& u, const Displacement& v) noexcept
 {
+    // Scaled by powers of two so that products do not overflow.
+    const auto scaled = [](const Vec3& difference) noexcept {
+        const double size = difference.cwiseAbs().maxCoeff();
+        return shifted(difference, size > 0 ? -std::ilogb(size) : 0);
+    };
+    const Vec3 a = scaled(u.rounded());
+    const Vec3 b = scaled(v.rounded());
+    const Vec3 normal = a.cross(b);
+    constexpr double safe_share = 1.0 / 16;  // not much is cancelled
+    constexpr double safe_length = 0x1p-900; // no digits have vanished
+    const double largest = normal.cwiseAbs().maxCoeff();
+    if (largest >= safe_share * cross_sizes(a, b).maxCoeff() && largest > safe_length)
+        return unit_of(normal);
     std::array<ScaledNumber, 3> parts;
     for (int axis = 0; axis < 3; ++axis) {
         parts[static_cast<std::size_t>(axis)] =
             exact_determinant(u, v, {Vec3::Zero(), Vec3::Unit(axis)});
     }
-    const std::array<double, 3> normal = in_common_units(parts);
-    return Vec3(normal[0], normal[1], normal[2]).stableNormalized();
-}
-
-} // namespace
-
-Vec3 unit_normal(const Displacement& u, const Displacement& v) noexcept
-{
-    // Differences and their rounding errors, scaled by powers of two so that products neither
-    // overflow nor vanish.
-    struct Scaled {
-        Vec3 rounded;
-        Vec3 rest;
-        [[nodiscard]] detail::Expansion<2> component(int axis) const noexcept
-        {
-            detail::Expansion<2> exact;
-            exact.append(rest[axis]);
-            exact.append(rounded[axis]);
-            return exact;
-        }
-    };
-    const auto scaled = [](const Displacement& d) noexcept {
-        const double size = d.rounded().cwiseAbs().maxCoeff();
-        const int exponent = size > 0 ? std::ilogb(size) : 0;
-        Scaled result;
-        for (int axis = 0; axis < 3; ++axis) {
-            const auto difference = detail::two_sum(d.to[axis], -d.from[axis]);
-            result.rounded[axis] = std::scalbn(difference.rounded, -exponent);
-            result.rest[axis] = std::scalbn(difference.error, -exponent);
-        }
-        return result;
-    };
-    const Scaled a = scaled(u);
-    const Scaled b = scaled(v);
-    Vec3 normal = a.rounded.cross(b.rounded);
-    constexpr double safe_share = 1.0 / 16;
-    if (normal.cwiseAbs().maxCoeff() < safe_share * cross_sizes(a.rounded, b.rounded).maxCoeff()) {
-        // A product with a part that is far too small beside the others would vanish still.
-        if (!fits(u) || !fits(v)) return unit_normal_by_determinants(u, v);
-        for (int axis = 0; axis < 3; ++axis) {
-            const int i = (axis + 1) % 3;
-            const int j = (axis + 2) % 3;
-            const auto exact = a.component(i) * b.component(j) - a.component(j) * b.component(i);
-            normal[axis] = 0;
-            for (int k = 0; k < exact.size(); ++k) normal[axis] += exact[k];
-        }
-    }
-    return normal.stableNormalized();
+    const std::array<double, 3> exact = in_common_units(parts);
+    return unit_of(Vec3(exact[0], exact[1], exact[2]));
 }
 
 bool are_parallel(const Displacement& u, const Displacement& v) noexcept

@@ -1,4 +1,5 @@
-// The length of a vector, also where the squares of its coordinates leave the doubles.
+// The length and the direction of a vector, also where the squares of its coordinates leave the
+// doubles.
 #pragma once
 
 #include "proxima/geometry.h"
@@ -19,6 +20,19 @@ namespace proxima {
     if (!(largest > 0) || std::isinf(largest)) return largest;
     const double scale = std::ldexp(1.0, -std::clamp(std::ilogb(largest), -1000, 1000));
     return std::sqrt(squared(v.x() * scale, v.y() * scale, v.z() * scale)) / scale;
+}
+
+/// The vector of length 1 along v: of every finite v but zero, which stays what it is. Eigen's stableNormalized()
+/// is of another length where doubles lose digits, and zero where they overflow.
+[[nodiscard]] inline Vec3 unit_of(const Vec3& v) noexcept
+{
+    const double largest = v.cwiseAbs().maxCoeff();
+    if ((largest > 0x1p-900 && largest < 0x1p+900) || !(largest > 0) || !std::isfinite(largest))
+        return v.stableNormalized();
+    const int exponent = -std::ilogb(largest);
+    return Vec3(std::scalbn(v.x(), exponent), std::scalbn(v.y(), exponent),
+                std::scalbn(v.z(), exponent))
+        .stableNormalized();
 }
 
 } // namespace proxima

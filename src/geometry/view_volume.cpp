@@ -2,6 +2,7 @@
 
 #include "base/text.h"
 #include "geometry/exact_predicates.h"
+#include "geometry/length.h"
 #include "geometry/view_plane.h"
 
 namespace proxima {
@@ -100,7 +101,7 @@ Result<CameraFrame> camera_frame(const Vec3& eye, const Vec3& forward, const Vec
     if (are_parallel(from_zero(forward), from_zero(up)))
         return refuse("up has no length or is along forward; give another direction");
     CameraFrame frame;
-    frame.forward = forward.stableNormalized();
+    frame.forward = unit_of(forward);
     // Exact where the two are nearly along each other.
     frame.right = unit_normal(from_zero(forward), from_zero(up));
     frame.up = frame.right.cross(frame.forward).normalized();
@@ -172,7 +173,7 @@ Result<ViewVolume> make_perspective_volume(const PerspectiveCamera& camera)
     const double width = height * camera.aspect;
     const Vec3& eye = camera.eye;
     const auto side = [&](const Vec3& inward, double extent) {
-        return plane_through(eye, (inward + extent * frame->forward).stableNormalized());
+        return plane_through(eye, unit_of(inward + extent * frame->forward));
     };
     std::vector<ViewPlane> planes = {side(frame->right, width), side(-frame->right, width),
                                      side(frame->up, height), side(-frame->up, height)};

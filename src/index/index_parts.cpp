@@ -68,4 +68,14 @@ IndexParts IndexParts::adopt_signs(std::shared_ptr<const SignParts> signs) const
     return parts;
 }
 
+double block_unit(const IndexParts& index) noexcept
+{
+    const Vec3 first = index.triangle(0)[0];
+    for (std::uint32_t row = 0; row < index.triangle_count(); ++row) {
+        for (const Vec3& corner : index.triangle(row).vertices)
+            if (corner != first) return index.unscale();
+    }
+    return 0;
+}
+
 } // namespace proxima

@@ -205,6 +205,10 @@ private:
     std::shared_ptr<const SignParts> signs_;
 };
 
+/// What a unit of the blocks is in the mesh's coordinates: unscale(), but 0 where all triangles are one
+/// point, whose frame has no size. Looks at triangles until two corners differ. Thread safe.
+[[nodiscard]] double block_unit(const IndexParts& index) noexcept;
+
 /// The index that holds these parts.
 [[nodiscard]] inline MeshIndex make_mesh_index(IndexParts parts)
 {

@@ -1,5 +1,7 @@
 #include "minkowski/drawn_surface.h"
 
+#include "geometry/length.h"
+
 #include <algorithm>
 #include <cmath>
 #include <map>
@@ -20,7 +22,7 @@ Result<DrawnSurface> draw_facets(const Body& body, std::vector<Vec3> positions, 
         if (!body.is_ray(edge.to)) continue;
         end_of[{edge.from, edge.to}] = static_cast<std::uint32_t>(surface.positions.size());
         surface.positions.emplace_back(surface.positions[edge.from] +
-                                       ray_length * vertex_of(edge.to).stableNormalized());
+                                       ray_length * unit_of(vertex_of(edge.to)));
     }
     if (!std::ranges::all_of(surface.positions, [](const Vec3& p) { return p.allFinite(); })) {
         return fail(ErrorCode::limit_exceeded,

@@ -3,6 +3,7 @@
 #include "base/check.h"
 #include "base/progress.h"
 #include "geometry/exact_predicates.h"
+#include "geometry/length.h"
 
 #include <algorithm>
 #include <cmath>
@@ -312,7 +313,7 @@ AffineSpan affine_span(const HullVertices& vertices)
     /// Rays have no length of their own.
     const auto rounded = [&](std::uint32_t v) {
         const Vec3 d = to(v).rounded();
-        return vertices.is_ray(v) ? Vec3(d.stableNormalized()) : d;
+        return vertices.is_ray(v) ? unit_of(d) : d;
     };
 
     const std::uint32_t second = best_vertex(
@@ -322,7 +323,7 @@ AffineSpan affine_span(const HullVertices& vertices)
     span.dimension = 1;
     span.vertices[1] = second;
 
-    const Vec3 line = rounded(second).stableNormalized();
+    const Vec3 line = unit_of(rounded(second));
     const std::uint32_t third = best_vertex(
         vertices, [&](std::uint32_t v) { return line.cross(rounded(v)).cwiseAbs().maxCoeff(); },
         [&](std::uint32_t v) { return !are_parallel(to(second), to(v)); });
@@ -330,7 +331,7 @@ AffineSpan affine_span(const HullVertices& vertices)
     span.dimension = 2;
     span.vertices[2] = third;
 
-    const Vec3 normal = line.cross(rounded(third).stableNormalized()).stableNormalized();
+    const Vec3 normal = unit_of(line.cross(unit_of(rounded(third))));
     const std::uint32_t fourth = best_vertex(
         vertices, [&](std::uint32_t v) { return std::abs(normal.dot(rounded(v))); },
         [&](std::uint32_t v) { return determinant_sign(to(second), to(third), to(v)) != 0; });

@@ -120,7 +120,7 @@ public:
     [[nodiscard]] Vec3 position(std::uint32_t vertex) const
     {
         const Vec3 p = sum_.position(vertex);
-        return sum_.is_ray(vertex) ? Vec3(p.stableNormalized()) : down(p);
+        return sum_.is_ray(vertex) ? unit_of(p) : down(p);
     }
     [[nodiscard]] HalfSpace half_space(std::uint32_t facet) const
     {
@@ -174,7 +174,7 @@ private:
 SurfacePoint outside_point(const Vec3& nearest, const Vec3& point, std::uint32_t facet)
 {
     const Vec3 d = point - nearest;
-    return {length_of(d), nearest, d.stableNormalized(), facet};
+    return {length_of(d), nearest, unit_of(d), facet};
 }
 
 } // namespace

@@ -2,32 +2,12 @@
 
 #include "base/fixed_stack.h"
 #include "base/progress.h"
+#include "geometry/triangle_box.h"
 #include "octree/empty_cells.h"
-
-#include <algorithm>
-#include <cmath>
 
 namespace proxima {
 
 namespace {
-
-/// Whether the closed box may touch the triangle: false only if its box or plane is clear of it.
-bool may_touch(const Triangle& triangle, const Box& box) noexcept
-{
-    const Box bounds = bounding_box(triangle);
-    if ((bounds.lower.array() > box.upper.array()).any() ||
-        (bounds.upper.array() < box.lower.array()).any()) {
-        return false;
-    }
-    const Vec3 size = (box.upper - box.lower).cwiseMax(bounds.upper - bounds.lower);
-    const double unit = size.maxCoeff() > 0.0 ? 1.0 / size.maxCoeff() : 1.0;
-    const Vec3 normal =
-        ((triangle[1] - triangle[0]) * unit).cross((triangle[2] - triangle[0]) * unit);
-    const double reach = normal.cwiseAbs().dot(0.5 * unit * (box.upper - box.lower));
-    const double distance = std::abs(normal.dot((box.center() - triangle[0]) * unit));
-    constexpr double slack = 1e-9; // far above rounding: an extra touch only costs time
-    return distance <= reach + slack * normal.norm();
-}
 
 /// Adds the empty cells that one cap may touch.
 void descend(const Octree& octree, const Triangle& cap, std::vector<std::uint8_t>& at_caps)
@@ -42,7 +22,7 @@ void descend(const Octree& octree, const Triangle& cap, std::vector<std::uint8_t
             const std::uint32_t bit = 1U << static_cast<unsigned>(octant);
             const bool is_empty = (empty & bit) != 0;
             if (!is_empty && octree.is_leaf(child)) continue;
-            if (!may_touch(cap, octree.box(child))) continue;
+            if (!triangle_box_filter(cap, octree.box(child)).overlaps) continue;
             if (is_empty) {
                 at_caps[parent.node] |= static_cast<std::uint8_t>(bit);
             } else {

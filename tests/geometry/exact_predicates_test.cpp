@@ -250,6 +250,23 @@ TEST(UnitNormal, IsRightWherePartsAreFarTooSmallBesideTheOthers)
               -Vec3::UnitY());
 }
 
+TEST(UnitNormal, IsRightWhereProductsLoseDigitsAtTheEndOfDoubles)
+{
+    std::mt19937_64 random(12);
+    std::uniform_int_distribution<int> number(-7, 7);
+    std::uniform_int_distribution<int> exponent(-1071, -850);
+    for (int i = 0; i < 2000; ++i) {
+        // u x v = (0, -u_x v_z, u_x v_y): products of which doubles hold a digit or none.
+        const Vec3 u(number(random) / 8.0, 0, 0);
+        const Vec3 digits(0, number(random), number(random));
+        const Vec3 v = number(random) * Vec3::UnitX() + digits * std::ldexp(1.0, exponent(random));
+        const Vec3 across = u.cross(digits); // exact
+        const Vec3 expected = across.isZero() ? across : across.normalized();
+        const Vec3 found = unit_normal({Vec3::Zero(), u}, {Vec3::Zero(), v});
+        EXPECT_LE((found - expected).cwiseAbs().maxCoeff(), 1e-15) << i;
+    }
+}
+
 TEST(IsDegenerate, DistinguishesLinesAndPointsFromSlivers)
 {
     const Vec3 a(0.1, 0.2, 0.3);

@@ -59,5 +59,32 @@ TEST(LengthOf, SaysWhereACoordinateIsNotFinite)
               std::numeric_limits<double>::max());
 }
 
+TEST(UnitOf, HasTheSameBitsForAVectorTimesAnyPowerOfTwo)
+{
+    const unsigned seed = 33;
+    RecordProperty("seed", static_cast<int>(seed));
+    std::mt19937_64 random(seed);
+    std::uniform_int_distribution<int> number(-255, 255);
+    for (int i = 0; i < 1000; ++i) {
+        const Vec3 v(number(random), number(random), number(random));
+        const Vec3 expected = v.isZero() ? v : v.normalized();
+        for (int exponent = -1074; exponent <= 1015; exponent += 1 + i % 7) {
+            const Vec3 scaled(std::ldexp(v.x(), exponent), std::ldexp(v.y(), exponent),
+                              std::ldexp(v.z(), exponent));
+            const Vec3 found = unit_of(scaled);
+            ASSERT_LE((found - expected).cwiseAbs().maxCoeff(), 0x1p-52) << exponent;
+            ASSERT_EQ(found, unit_of(v)) << v.transpose() << " times 2^" << exponent;
+        }
+    }
+}
+
+TEST(UnitOf, LeavesWhatHasNoDirection)
+{
+    const double infinity = std::numeric_limits<double>::infinity();
+    EXPECT_EQ(unit_of(Vec3::Zero()), Vec3::Zero());
+    EXPECT_FALSE(unit_of({0, infinity, 1}).allFinite());
+    EXPECT_FALSE(unit_of({0, 1, std::numeric_limits<double>::quiet_NaN()}).allFinite());
+}
+
 } // namespace
 } // namespace proxima::length_test

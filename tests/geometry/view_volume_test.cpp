@@ -213,6 +213,26 @@ TEST(OrthographicCamera, SeesABox)
     }
 }
 
+TEST(Cameras, LookTheSameWayHoweverLongTheirDirectionIs)
+{
+    const auto looking = [](double length) {
+        return make_orthographic_volume({.forward = Vec3(3 * length, 4 * length, 0),
+                                         .up = Vec3(0, length, length),
+                                         .near = 1,
+                                         .far = 2})
+            .value();
+    };
+    const ViewVolume expected = looking(1);
+    for (const double length : {0x1p-1074, 0x1p-1050, 0x1p-1022, 0x1p-600, 0x1p+600, 0x1p+1021}) {
+        const ViewVolume volume = looking(length);
+        ASSERT_EQ(volume.planes().size(), expected.planes().size());
+        for (std::size_t i = 0; i < expected.planes().size(); ++i) {
+            EXPECT_EQ(volume.planes()[i].normal, expected.planes()[i].normal) << length << ' ' << i;
+            EXPECT_EQ(volume.planes()[i].offset, expected.planes()[i].offset) << length << ' ' << i;
+        }
+    }
+}
+
 TEST(Cameras, AreRefusedWhenTheirVolumeIsEmpty)
 {
     const auto refuses = [](const auto& result) {

@@ -338,6 +338,26 @@ TEST(ClassifyCells, AgreesWithBruteForceAtAnyPoseAndScale)
     expect_right(moved(open, [&](const Vec3& p) { return Vec3(turn * p + Vec3(100, -50, 7)); }));
 }
 
+TEST(ClassifyCells, IsTheSameAtTheEndOfDoubles)
+{
+    // Whole multiples of 2^-16, so that nothing is rounded at 2^-1050 either.
+    const auto rounded = [](const Vec3& p) { return Vec3((p * 0x1p16).array().round() * 0x1p-16); };
+    const TriangleMesh open =
+        moved(without(torus(), [](std::size_t i) { return i % 40 == 0; }), rounded);
+    const auto classified = [&](int exponent) {
+        const auto scale = [&](const Vec3& p) { return Vec3(p * std::ldexp(1.0, exponent)); };
+        const OctreeFrame frame{scale(Vec3::Constant(-2)), scale(Vec3::Constant(4))};
+        const TriangleMesh scaled = moved(open, scale);
+        return classify_cells(slow_octree(scaled, {.max_depth = 6, .root = frame}), scaled).value();
+    };
+    const Octree expected = classified(0);
+    EXPECT_GT(expected.parameters().classification.leaked_components, 0U);
+    for (const int exponent : {-1000, -1030, -1050}) {
+        const Octree other = classified(exponent);
+        EXPECT_TRUE(std::ranges::equal(other.nodes(), expected.nodes())) << exponent;
+    }
+}
+
 TEST(ClassifyCells, HasTheSameBitsForAnyNumberOfThreads)
 {
     const TriangleMesh open =

@@ -3,6 +3,7 @@
 #pragma once
 
 #include "geometry/exact_predicates.h"
+#include "geometry/length.h"
 #include "proxima/triangle_mesh.h"
 
 #include <array>
@@ -54,7 +55,7 @@ namespace proxima::oracle {
     std::mt19937 random(7);
     std::uniform_real_distribution<double> part(-1, 1);
     const Box box = bounding_box(mesh);
-    const double reach = 4 * (box.extent().norm() + (p - box.center()).norm());
+    const double reach = 4 * (length_of(box.extent()) + length_of(p - box.center()));
     for (int tries = 0; tries < 20; ++tries) {
         const Vec3 toward{part(random), part(random), part(random)};
         if (const auto sum = crossings(mesh, p, p + reach * toward.normalized())) return sum;

@@ -1,5 +1,7 @@
 #include "haptics/tool/rigid_motion.h"
 
+#include "geometry/length.h"
+
 #include <Eigen/Geometry>
 #include <cmath>
 
@@ -29,7 +31,7 @@ RigidTransform moved_by(const RigidTransform& pose, const Twist& twist, double t
     RigidTransform result = {pose.rotation, pose.translation + t * twist.linear};
     const double angle = t * twist.angular.norm();
     if (angle > 0) {
-        const Eigen::Quaterniond turn(Eigen::AngleAxisd(angle, twist.angular.stableNormalized()));
+        const Eigen::Quaterniond turn(Eigen::AngleAxisd(angle, unit_of(twist.angular)));
         result.rotation =
             (turn * Eigen::Quaterniond(pose.rotation)).normalized().toRotationMatrix();
     }

@@ -2,6 +2,7 @@
 
 #include "base/progress.h"
 #include "base/radix_sort.h"
+#include "geometry/length.h"
 
 #include <algorithm>
 #include <cmath>
@@ -84,7 +85,7 @@ std::optional<QueryDensity> QueryDensity::sample(const TriangleMesh& mesh, const
             const Vec3 a = frame.to_frame(triangle[0]);
             const Vec3 ab = (triangle[1] - triangle[0]) * frame.scale;
             const Vec3 ac = (triangle[2] - triangle[0]) * frame.scale;
-            const Vec3 normal = ab.cross(ac).stableNormalized();
+            const Vec3 normal = unit_of(ab.cross(ac));
             const Vec3 p = a + u * ab + v * ac + (2 * w - 1) * band * normal;
             items.push_back({key_of(p, density.frame_half_), 0});
             if (!steps.done(1)) return std::nullopt;

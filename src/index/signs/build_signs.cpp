@@ -1,6 +1,7 @@
 // Examines a surface: which of its triangles tell inside from outside, and by which normals.
 #include "base/memory_budget.h"
 #include "base/parallel.h"
+#include "geometry/length.h"
 #include "index/check_edges.h"
 #include "index/index_parts.h"
 #include "index/signs/sign_geometry.h"
@@ -33,8 +34,8 @@ constexpr double shortest_sum = 1e-6;
 /// The angle at the corner; 0 where a side has no length.
 double angle_at(const Triangle& triangle, int corner) noexcept
 {
-    const Vec3 u = (triangle[(corner + 1) % 3] - triangle[corner]).stableNormalized();
-    const Vec3 v = (triangle[(corner + 2) % 3] - triangle[corner]).stableNormalized();
+    const Vec3 u = unit_of(triangle[(corner + 1) % 3] - triangle[corner]);
+    const Vec3 v = unit_of(triangle[(corner + 2) % 3] - triangle[corner]);
     return std::atan2(u.cross(v).norm(), u.dot(v));
 }
 

@@ -5,6 +5,7 @@
 #include "base/progress.h"
 #include "geometry/closest_point.h"
 #include "geometry/exact_predicates.h"
+#include "geometry/length.h"
 #include "geometry/triangle_contact.h"
 #include "geometry/triangle_distance.h"
 #include "index/crossings.h"
@@ -137,10 +138,10 @@ bool nearly_meet(const TriangleMesh& mesh, TriangleId a_id, TriangleId b_id,
         return closest_points(a, b).squared_distance < least * least;
     }
     if (shared.count != 2) return false;
-    const Vec3 along = (a[shared.of_a[1]] - a[shared.of_a[0]]).stableNormalized();
+    const Vec3 along = unit_of(a[shared.of_a[1]] - a[shared.of_a[0]]);
     const auto across = [&](const Vec3& corner) {
         const Vec3 to = corner - a[shared.of_a[0]];
-        return Vec3((to - to.dot(along) * along).stableNormalized());
+        return unit_of(to - to.dot(along) * along);
     };
     const Vec3 of_a = across(a[shared.of_a[2]]);
     const Vec3 of_b = across(b[shared.of_b[2]]);

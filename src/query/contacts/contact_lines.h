@@ -2,6 +2,7 @@
 #pragma once
 
 #include "geometry/exact_predicates.h"
+#include "geometry/length.h"
 #include "proxima/cast_ray.h"
 #include "proxima/closest_feature.h"
 #include "proxima/signed_distance.h"
@@ -22,7 +23,7 @@ struct SurfaceNormals {
     /// In which B would move away, of any length.
     [[nodiscard]] Vec3 apart() const { return of_a - of_b; }
     /// Into both, of length 1 or 0.
-    [[nodiscard]] Vec3 inward() const { return -(of_a + of_b).stableNormalized(); }
+    [[nodiscard]] Vec3 inward() const { return -unit_of(of_a + of_b); }
 };
 
 class PROXIMA_HIDDEN ContactLines {
@@ -40,7 +41,7 @@ public:
             const Triangle t = solid.mesh.triangle(closest->triangle);
             return unit_normal({t[0], t[1]}, {t[0], t[2]});
         };
-        return {normal(a_, p), (pose_.rotation * normal(b_, back_(p))).stableNormalized()};
+        return {normal(a_, p), unit_of(pose_.rotation * normal(b_, back_(p)))};
     }
 
     /// The piece of the line through p along the normal that lies in both; nothing where p is not in

@@ -108,8 +108,8 @@ private:
     static Vec3 normal_of(const Vec3& area, const RegionSums& sums)
     {
         constexpr double thin = 1e-6; // of the square of the length: no plane can be told
-        if (length_of(area) > thin * sums.length * sums.length) return area.stableNormalized();
-        const Vec3 normal = sums.from_surfaces.stableNormalized();
+        if (length_of(area) > thin * sums.length * sums.length) return unit_of(area);
+        const Vec3 normal = unit_of(sums.from_surfaces);
         return normal.squaredNorm() > 0.5 ? normal : Vec3(Vec3::UnitZ());
     }
 
@@ -247,7 +247,7 @@ private:
         const Vec3 p0 = flat(region.points[0]);
         if (!add_best([&](const RegionPoint& p) { return length_of(flat(p) - p0); }, least)) return;
         const Vec3 p1 = flat(region.points[1]);
-        const Vec3 along = (p1 - p0).stableNormalized();
+        const Vec3 along = unit_of(p1 - p0);
         const auto beside = [&](const Vec3& p) { return along.cross(p - p0).dot(region.normal); };
         if (!add_best([&](const RegionPoint& p) { return std::abs(beside(flat(p))); }, least))
             return;

@@ -247,7 +247,7 @@ BestStep FirstContactSearch::step_of(const MovedTriangles& pair, const MovedFram
         if (best.step < enough)
             try_along(unit_normal({Vec3::Zero(), u}, {Vec3::Zero(), v}), across);
     };
-    try_along(across.stableNormalized(), across);
+    try_along(unit_of(across), across);
     // Points that are all but one say little about the direction; the triangles say it.
     consider(side(pair.a, 0), side(pair.a, 1));
     consider(side(pair.b, 0), side(pair.b, 1));
@@ -259,7 +259,7 @@ BestStep FirstContactSearch::step_of(const MovedTriangles& pair, const MovedFram
     const int on_a = number(closest.first.part);
     const int on_b = number(closest.second.part);
     if (on_a >= 0 && on_b >= 0) consider(side(pair.a, on_a), side(pair.b, on_b));
-    if (best.step == 0) best.direction = across.stableNormalized();
+    if (best.step == 0) best.direction = unit_of(across);
     return best;
 }
 

@@ -121,8 +121,7 @@ std::optional<std::array<DifferencePoint, 3>> find_portal(DifferenceBody& body, 
         out = (p1.difference - inner).cross(p2.difference - inner);
     }
     for (; step < most_steps; ++step) {
-        out =
-            (p2.difference - p1.difference).cross(p3.difference - p1.difference).stableNormalized();
+        out = unit_of((p2.difference - p1.difference).cross(p3.difference - p1.difference));
         const double least =
             std::min({out.dot(p1.difference), out.dot(p2.difference), out.dot(p3.difference)});
         if (least > rounding) return std::array{p1, p2, p3};
@@ -214,7 +213,7 @@ private:
         const Vec3& p = points_[corners[0]];
         const Vec3& q = points_[corners[1]];
         const Vec3& r = points_[corners[2]];
-        Vec3 normal = (q - p).cross(r - p).stableNormalized();
+        Vec3 normal = unit_of((q - p).cross(r - p));
         if (normal.dot(p) < 0) normal = -normal;
         const auto [least, most] = std::minmax({normal.dot(p), normal.dot(q), normal.dot(r)});
         if (!(least > rounding_)) is_valid_ = false;
@@ -252,6 +251,8 @@ std::optional<Vec3> common_point(const DifferencePoint& inner,
 std::optional<HullDepth> find_hull_depth(const ConvexPolyhedron& a, const ConvexPolyhedron& b,
                                          std::span<const Vec3> moved_b, double rounding)
 {
+    constexpr double least_rounding = 0x1p-300; // of smaller meshes, products lose digits
+    if (!(rounding >= least_rounding)) return std::nullopt;
     DifferenceBody body(a, b, moved_b);
     const auto portal = find_portal(body, rounding);
     if (!portal) return std::nullopt;

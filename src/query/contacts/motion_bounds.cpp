@@ -16,34 +16,15 @@ double size_of(const Vec3& v)
     return v.cwiseAbs().maxCoeff();
 }
 
-/// Whether a test holds for the corners of all triangles. Ends at the first for which it does not.
-template <class Test>
-bool all_corners(const IndexParts& index, const Test& test)
-{
-    for (std::uint32_t row = 0; row < index.triangle_count(); ++row)
-        if (!std::ranges::all_of(index.triangle(row).vertices, test)) return false;
-    return true;
-}
-
-/// Whether all triangles are one point. The unit of such an index's blocks says nothing.
-bool is_point(const IndexParts& index)
-{
-    const Vec3 first = index.triangle(0)[0];
-    return all_corners(index, [&](const Vec3& p) { return p == first; });
-}
-
 /// Whether the root's box holds the mesh, which may be too large for the index's frame.
 bool is_in_root(const IndexParts& index)
 {
     if (index.scale() > least_index_scale) return true;
-    return all_corners(
-        index, [&](const Vec3& p) { return size_of((p - index.center()) * index.scale()) <= 1; });
-}
-
-/// What a unit of an index's blocks is in the mesh's own coordinates.
-double block_unit(const IndexParts& index)
-{
-    return is_point(index) ? 0 : index.unscale();
+    for (std::uint32_t row = 0; row < index.triangle_count(); ++row) {
+        for (const Vec3& p : index.triangle(row).vertices)
+            if (!(size_of((p - index.center()) * index.scale()) <= 1)) return false;
+    }
+    return true;
 }
 
 /// Corners of the root's box, in the mesh's own coordinates; `unit` is the blocks'. About all triangles
@@ -100,8 +81,7 @@ Vec3 vector_of(const std::array<float, 3>& v)
 // are about 1, so that squares which vanish are of what is far below the margin.
 MotionBounds::MotionBounds(const IndexParts& a, const IndexParts& b,
                            const RigidMotion& motion) noexcept
-    : a_(a), b_(b), motion_(motion), angle_(length_of(motion.turn)),
-      axis_(motion.turn.stableNormalized())
+    : a_(a), b_(b), motion_(motion), angle_(length_of(motion.turn)), axis_(unit_of(motion.turn))
 {
     const Vec3 start = motion.start(motion.center);
     const double block_unit_a = block_unit(a);

@@ -1,6 +1,7 @@
 #include "base/check.h"
 #include "base/progress.h"
 #include "base/text.h"
+#include "geometry/length.h"
 #include "proxima/closest_feature.h"
 #include "proxima/contacts.h"
 #include "proxima/minkowski_sum.h"
@@ -53,7 +54,8 @@ public:
         constexpr double root_of_three = 1.7320508075688774;
         const double coordinates =
             a.largest + 2 * b.largest + largest_component(pose_b.translation);
-        slack_ = 0x1p-48 * root_of_three * coordinates;
+        constexpr double smallest_steps = 64 * std::numeric_limits<double>::denorm_min();
+        slack_ = 0x1p-48 * root_of_three * coordinates + smallest_steps;
         for (const Vec3& p : b.hull.points()) moved_.push_back(pose_b(p));
     }
 
@@ -242,7 +244,7 @@ private:
     void add_surfaces(std::vector<Vec3>& directions) const
     {
         const auto add = [&](const Vec3& direction) {
-            const Vec3 unit = direction.stableNormalized();
+            const Vec3 unit = unit_of(direction);
             if (unit.allFinite() && unit.squaredNorm() > 0.5) directions.push_back(unit);
         };
         const Vec3& p = answer_.deepest;

@@ -69,7 +69,7 @@ void place(TimeOfContact& answer, const MeshIndex& a, const MeshIndex& b, const 
     answer.triangle_b = nearest.triangle_b;
     answer.normal = found.normal;
     if (answer.normal.isZero(0) && nearest.distance > 0)
-        answer.normal = (nearest.point_b - nearest.point_a).stableNormalized();
+        answer.normal = unit_of(nearest.point_b - nearest.point_a);
 }
 
 } // namespace

@@ -1,5 +1,6 @@
 #include "query/distance/distance_search.h"
 
+#include "geometry/length.h"
 #include "geometry/triangle_contact.h"
 #include "geometry/triangle_distance.h"
 #include "index/index_parts.h"
@@ -73,8 +74,9 @@ DistanceSearch::DistanceSearch(const IndexParts& index_a, const IndexParts& inde
     const double lane_roundoff = needs_doubles() ? 0x1p-53 : single_roundoff;
     margin_ = (128 + 64 * reach_) * lane_roundoff + 8 * single_roundoff +
               0x1p-50 * (scale_ * coordinates + 2);
-    const double extent = std::max(index_a.unscale(), index_b.unscale());
-    unit_ = safe_unit(std::max(extent, reach_ / scale_));
+    const Vec3 between = pose_b(index_b.triangle(0)[0]) - index_a.triangle(0)[0];
+    unit_ = safe_unit(
+        std::max({block_unit(index_a), block_unit(index_b), between.cwiseAbs().maxCoeff()}));
     lower_limit(farthest * scale_);
 }
 
@@ -111,7 +113,7 @@ bool DistanceSearch::ask(std::uint32_t row_a, std::uint32_t row_b) noexcept
     best_ = {distance,  pair.first.point / unit_, pair.second.point / unit_, first.id,
              second.id, pair.first.part,          pair.second.part,          row_a,
              row_b};
-    if (distance > 0) direction_ = (pair.second.point - pair.first.point).stableNormalized();
+    if (distance > 0) direction_ = unit_of(pair.second.point - pair.first.point);
     lower_limit(distance * scale_);
     return distance == 0;
 }

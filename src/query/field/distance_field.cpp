@@ -5,6 +5,7 @@
 #include "base/progress.h"
 #include "base/text.h"
 #include "geometry/exact_predicates.h"
+#include "geometry/length.h"
 #include "index/index_parts.h"
 #include "index/signs/sign_geometry.h"
 #include "index/signs/sign_parts.h"
@@ -139,7 +140,7 @@ private:
         Vec3 away = Vec3::Zero();
         for (std::size_t k = 0; k < 3; ++k)
             away += closest.barycentric[k] * (p - triangle[static_cast<int>(k)]);
-        return sign * away.stableNormalized();
+        return sign * unit_of(away);
     }
 
     void put(std::size_t at, double distance, const Vec3& gradient, SignMethod method) const

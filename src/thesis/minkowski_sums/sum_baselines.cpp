@@ -1,6 +1,7 @@
 #include "thesis/minkowski_sums/sum_baselines.h"
 
 #include "base/progress.h"
+#include "geometry/length.h"
 #include "minkowski/operation_counts.h"
 #include "minkowski/scalar_vector.h"
 #include "minkowski/sum_assembler.h"
@@ -78,8 +79,8 @@ private:
     {
         Vec3 centre = Vec3::Zero();
         for (const int pair : corners) centre += sum(pair) / static_cast<double>(corners.size());
-        const Vec3 u = (sum(corners[0]) - centre).stableNormalized();
-        const Vec3 v = normal.stableNormalized().cross(u);
+        const Vec3 u = unit_of(sum(corners[0]) - centre);
+        const Vec3 v = unit_of(normal).cross(u);
         const auto angle = [&](int pair) {
             const Vec3 d = sum(pair) - centre;
             return std::atan2(v.dot(d), u.dot(d));

@@ -4,6 +4,7 @@
 #include "base/parallel.h"
 #include "base/progress.h"
 #include "base/text.h"
+#include "geometry/length.h"
 #include "proxima/convex_polyhedron.h"
 #include "proxima/minkowski_sum.h"
 #include "thesis/proximity_octree/voronoi_region.h"
@@ -139,7 +140,7 @@ private:
         Vec3 mean = Vec3::Zero();
         for (const Vec3& normal : normals) mean += normal;
         const auto least = [&](const Vec3& direction) {
-            const Vec3 unit = direction.stableNormalized();
+            const Vec3 unit = unit_of(direction);
             double product = 1;
             for (const Vec3& normal : normals) product = std::min(product, normal.dot(unit));
             return product;

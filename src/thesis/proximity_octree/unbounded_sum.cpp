@@ -1,5 +1,6 @@
 #include "thesis/proximity_octree/unbounded_sum.h"
 
+#include "geometry/length.h"
 #include "proxima/convex_polyhedron.h"
 
 #include <algorithm>
@@ -21,7 +22,7 @@ Result<ConvexPolyhedron> cut_rays(const ConvexPolyhedron& polyhedron, double len
     for (const PolyhedronEdge& edge : polyhedron.edges()) {
         if (polyhedron.is_ray(edge.to)) {
             points.emplace_back(polyhedron.vertex(edge.from) +
-                                length * polyhedron.vertex(edge.to).stableNormalized());
+                                length * unit_of(polyhedron.vertex(edge.to)));
         }
     }
     const bool is_near = std::ranges::all_of(points, [](const Vec3& point) {
@@ -46,7 +47,7 @@ Result<CutSum> sum_by_cutting(const ConvexPolyhedron& a, const ConvexPolyhedron&
     CutSum result = {std::move(*intermediate), {}, {}};
     const auto obstructs = [&](const Vec3& normal) {
         const auto leads_along = [&](const Vec3& ray) {
-            return normal.dot(ray.stableNormalized()) > obstruction_tolerance;
+            return normal.dot(unit_of(ray)) > obstruction_tolerance;
         };
         return std::ranges::any_of(a.rays(), leads_along) ||
                std::ranges::any_of(b.rays(), leads_along);

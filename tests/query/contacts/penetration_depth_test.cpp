@@ -1,5 +1,6 @@
 #include "cancellation.h"
 #include "code_of.h"
+#include "geometry/exact_predicates.h"
 #include "proxima/contacts.h"
 #include "proxima/mesh_index.h"
 #include "proxima/sample_meshes.h"
@@ -437,6 +438,43 @@ TEST(PenetrationDepth, OfTheTiniestHasNoLowerBound)
         ASSERT_TRUE(found);
         EXPECT_EQ(found->lower, 0) << size;
         EXPECT_GT(found->upper, 0) << size;
+    }
+}
+
+TEST(PenetrationDepth, FreesBodiesAtTheEndOfDoubles)
+{
+    const unsigned seed = 3;
+    RecordProperty("seed", static_cast<int>(seed));
+    std::mt19937_64 random(seed);
+    std::uniform_int_distribution<int> number(-63, 63);
+    RigidTransform pose;
+    pose.rotation << 0.6, -0.8, 0, 0.8, 0.6, 0, 0, 0, 1;
+    for (const int exponent : {0, -300, -520, -535, -600, -1000, -1030, -1050, -1066}) {
+        int found = 0;
+        for (int i = 0; i < 60; ++i) {
+            const auto tetrahedron = [&] {
+                std::vector<Vec3> corners(4);
+                for (Vec3& corner : corners)
+                    for (double& x : corner) x = std::ldexp(number(random), exponent);
+                std::vector<TriangleCorners> sides = {{0, 1, 2}, {0, 3, 1}, {1, 3, 2}, {2, 3, 0}};
+                if (orient3d(corners[0], corners[1], corners[2], corners[3]) > 0)
+                    for (auto& side : sides) std::swap(side[0], side[1]);
+                return build_solid(build_mesh_index(mesh_of(corners, sides)).value());
+            };
+            const auto a = tetrahedron();
+            const auto b = tetrahedron();
+            if (!a || !b) continue;
+            const auto depth = penetration_depth(*a, *b, pose);
+            ASSERT_TRUE(depth);
+            if (depth->method == PenetrationMethod::apart) continue;
+            ++found;
+            EXPECT_NEAR(depth->direction.norm(), 1, 1e-12) << exponent;
+            EXPECT_LE(depth->lower, depth->upper) << exponent;
+            RigidTransform free = pose;
+            free.translation += depth->translation;
+            EXPECT_FALSE(solids_overlap(*a, *b, free)) << exponent << ' ' << i;
+        }
+        EXPECT_GT(found, 20) << exponent;
     }
 }
 

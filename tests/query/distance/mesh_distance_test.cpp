@@ -450,6 +450,37 @@ TEST(MeshDistance, SeesTrianglesThatAreTinyBesideTheMesh)
     }
 }
 
+TEST(MeshDistance, OfAPointIsRightAtAnyScale)
+{
+    const Vec3 corners[3] = {Vec3(0, 0, 0), Vec3(1, 0, 0), Vec3(0, 1, 0.125)};
+    for (const int exponent : {-1000, -600, -520, -515, -510, -300, 0, 300, 510, 900}) {
+        const double unit = std::ldexp(1.0, exponent);
+        const auto point_at = [&](const Vec3& p) {
+            return index_of(mesh_of_points({p * unit}).value());
+        };
+        const MeshIndex triangle = index_of(testing::mesh_of(
+            {corners[0] * unit, corners[1] * unit, corners[2] * unit}, {{0, 1, 2}}));
+        const MeshIndex a = point_at(Vec3(0.25, 0.25, 1.03125));
+        const MeshIndex b = point_at(Vec3(0.25, -2.75, -2.96875));
+        RigidTransform moved;
+        moved.translation = Vec3(0, 0, -3 * unit);
+        const auto distance = [&](const MeshIndex& from, const MeshIndex& to,
+                                  const RigidTransform& pose = {}) {
+            return mesh_distance(from, to, pose).value().distance / unit;
+        };
+        // Above the triangle, whose plane is z = y / 8, by 1.
+        const double along_normal = 1 / std::sqrt(1 + 1.0 / 64);
+        EXPECT_NEAR(distance(a, triangle), along_normal, 1e-15) << exponent;
+        EXPECT_NEAR(distance(triangle, a), along_normal, 1e-15) << exponent;
+        EXPECT_EQ(distance(a, b), 5) << exponent;
+        EXPECT_EQ(distance(b, a), 5) << exponent;
+        EXPECT_EQ(distance(a, a, moved), 3) << exponent;
+        EXPECT_EQ(distance(a, a), 0) << exponent;
+        EXPECT_FALSE(mesh_distance(a, b, {}, {.farthest = 4.99 * unit})) << exponent;
+        EXPECT_TRUE(mesh_distance(a, b, {}, {.farthest = 5.01 * unit})) << exponent;
+    }
+}
+
 TEST(MeshDistance, IsNeverZeroApartHoweverNear)
 {
     for (const double size : {1.0, 1e100, 1e150, 1e300}) {
