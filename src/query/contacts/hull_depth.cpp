@@ -251,8 +251,6 @@ std::optional<Vec3> common_point(const DifferencePoint& inner,
 std::optional<HullDepth> find_hull_depth(const ConvexPolyhedron& a, const ConvexPolyhedron& b,
                                          std::span<const Vec3> moved_b, double rounding)
 {
-    constexpr double least_rounding = 0x1p-300; // of smaller meshes, products lose digits
-    if (!(rounding >= least_rounding)) return std::nullopt;
     DifferenceBody body(a, b, moved_b);
     const auto portal = find_portal(body, rounding);
     if (!portal) return std::nullopt;

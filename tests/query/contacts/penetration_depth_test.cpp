@@ -441,41 +441,54 @@ TEST(PenetrationDepth, OfTheTiniestHasNoLowerBound)
     }
 }
 
-TEST(PenetrationDepth, FreesBodiesAtTheEndOfDoubles)
+TEST(PenetrationDepth, OfTetrahedraIsRightUpToTheEndOfDoubles)
 {
     const unsigned seed = 3;
     RecordProperty("seed", static_cast<int>(seed));
     std::mt19937_64 random(seed);
     std::uniform_int_distribution<int> number(-63, 63);
+    const auto solid = [](std::vector<Vec3> corners, int exponent) {
+        std::vector<TriangleCorners> sides = {{0, 1, 2}, {0, 3, 1}, {1, 3, 2}, {2, 3, 0}};
+        if (orient3d(corners[0], corners[1], corners[2], corners[3]) > 0)
+            for (auto& side : sides) std::swap(side[0], side[1]);
+        for (Vec3& corner : corners) corner *= std::ldexp(1.0, exponent);
+        return build_solid(build_mesh_index(mesh_of(corners, sides)).value());
+    };
     RigidTransform pose;
     pose.rotation << 0.6, -0.8, 0, 0.8, 0.6, 0, 0, 0, 1;
-    for (const int exponent : {0, -300, -520, -535, -600, -1000, -1030, -1050, -1066}) {
-        int found = 0;
-        for (int i = 0; i < 60; ++i) {
-            const auto tetrahedron = [&] {
-                std::vector<Vec3> corners(4);
-                for (Vec3& corner : corners)
-                    for (double& x : corner) x = std::ldexp(number(random), exponent);
-                std::vector<TriangleCorners> sides = {{0, 1, 2}, {0, 3, 1}, {1, 3, 2}, {2, 3, 0}};
-                if (orient3d(corners[0], corners[1], corners[2], corners[3]) > 0)
-                    for (auto& side : sides) std::swap(side[0], side[1]);
-                return build_solid(build_mesh_index(mesh_of(corners, sides)).value());
-            };
-            const auto a = tetrahedron();
-            const auto b = tetrahedron();
-            if (!a || !b) continue;
-            const auto depth = penetration_depth(*a, *b, pose);
+    int found = 0;
+    for (int i = 0; i < 60; ++i) {
+        std::vector<Vec3> corners_a(4);
+        std::vector<Vec3> corners_b(4);
+        for (Vec3& corner : corners_a)
+            corner = Vec3(number(random), number(random), number(random));
+        for (Vec3& corner : corners_b)
+            corner = Vec3(number(random), number(random), number(random));
+        const auto a = solid(corners_a, 0);
+        const auto b = solid(corners_b, 0);
+        if (!a || !b) continue; // flat
+        const auto truth = penetration_depth(*a, *b, pose);
+        ASSERT_TRUE(truth);
+        if (truth->method == PenetrationMethod::apart) continue;
+        ++found;
+        for (const int exponent :
+             {-300, -500, -515, -525, -530, -535, -540, -900, -1030, -1050, -1066}) {
+            SCOPED_TRACE(::testing::Message() << "2^" << exponent << ", pair " << i);
+            const Solid small_a = solid(corners_a, exponent).value();
+            const Solid small_b = solid(corners_b, exponent).value();
+            const auto depth = penetration_depth(small_a, small_b, pose);
             ASSERT_TRUE(depth);
-            if (depth->method == PenetrationMethod::apart) continue;
-            ++found;
-            EXPECT_NEAR(depth->direction.norm(), 1, 1e-12) << exponent;
-            EXPECT_LE(depth->lower, depth->upper) << exponent;
+            EXPECT_NEAR(depth->direction.norm(), 1, 1e-12);
+            EXPECT_LE(depth->lower, depth->upper);
             RigidTransform free = pose;
             free.translation += depth->translation;
-            EXPECT_FALSE(solids_overlap(*a, *b, free)) << exponent << ' ' << i;
+            EXPECT_FALSE(solids_overlap(small_a, small_b, free));
+            if (exponent < -900) continue; // bounds are some of the smallest steps apart
+            EXPECT_NEAR(std::ldexp(depth->lower, -exponent), truth->lower, 1e-11);
+            EXPECT_NEAR(std::ldexp(depth->upper, -exponent), truth->upper, 1e-11);
         }
-        EXPECT_GT(found, 20) << exponent;
     }
+    EXPECT_GT(found, 20);
 }
 
 TEST(PenetrationDepth, TakesWhatIsWoundRoundTheOtherWayForFilled)
