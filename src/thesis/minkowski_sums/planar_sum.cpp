@@ -2,7 +2,6 @@
 
 #include "base/text.h"
 #include "geometry/exact_predicates.h"
-#include "geometry/length.h"
 #include "proxima/convex_polyhedron.h"
 #include "thesis/minkowski_sums/geometric_method.h"
 
@@ -122,7 +121,7 @@ private:
                 PushedLine line;
                 line.origin = source.origin;
                 line.source_edge = source.edge;
-                line.normal = unit_of(candidates_[pushed.candidate].direction);
+                line.normal = candidates_[pushed.candidate].direction.stableNormalized();
                 line.support = pushed.support;
                 line.offset =
                     line.normal.dot(sum_.points_[static_cast<std::size_t>(pushed.support)]);
