@@ -6,7 +6,7 @@ if(BUILD_SHARED_LIBS)
 else()
   get_property(libraries GLOBAL PROPERTY PROXIMA_LAYERS)
 endif()
-if(PROXIMA_WITH_ASSIMP AND (BUILD_SHARED_LIBS OR TARGET proxima_c))
+if(PROXIMA_WITH_ASSIMP AND (BUILD_SHARED_LIBS OR TARGET proxima_c OR TARGET proxima_cli))
   install(TARGETS proxima_scene_library LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR}/proxima COMPONENT runtime)
 endif()
 set(parts

@@ -90,7 +90,7 @@ proxima_package(runtime ${runtime} libs ""
   "${what}This package has the shared libraries for programs in C++ and C.")
 proxima_package(development libproxima-dev libdevel "${runtime} ${same}, libeigen3-dev, libexpected-dev"
   "${what}This package has the headers, and what CMake and pkg-config need to find it.")
-proxima_package(tools proxima-tools science ""
+proxima_package(tools proxima-tools science "${runtime} ${same}"
   "${what}This package has the program proxima, which asks these questions of files.")
 proxima_package(python python3-proxima python "python3 (>= ${PROXIMA_PYTHON_VERSION}), python3 (<< ${next_python}), python3-numpy"
   "${what}This package has the Python module proxima, which answers for NumPy arrays.")

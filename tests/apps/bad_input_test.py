@@ -2,12 +2,15 @@
 import json
 import random
 import resource
+import shutil
+import subprocess
+import tempfile
 import time
 import unittest
 from pathlib import Path
 
 import mesh_files
-from proxima_program import SANITIZED, ProgramTest, run
+from proxima_program import PROXIMA, SANITIZED, ProgramTest, environment_of_program, run
 
 TRIANGLE = "OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n"
 
@@ -36,6 +39,22 @@ class Models(ProgramTest):
         for name, content in mesh_files.SCENES.items():
             with self.subTest(name):
                 self.refuse("octree", self.file(name, content), says=(name, "PROXIMA_WITH_ASSIMP=ON"))
+
+    @unittest.skipUnless(mesh_files.READS_SCENES, "built without assimp")
+    def test_scenes_without_the_library_that_reads_them(self):
+        with tempfile.TemporaryDirectory() as bare:
+            program = shutil.copy(PROXIMA, bare)
+            for name, content in mesh_files.READ.items():
+                with self.subTest(name):
+                    result = subprocess.run([program, "octree", self.file(name, content), "--json", "-"], env=environment_of_program(),
+                                            capture_output=True, text=True)
+                    if name in mesh_files.PLAIN:
+                        self.assertEqual((result.returncode, json.loads(result.stdout)["triangles"]), (0, 4))
+                        continue
+                    self.assertEqual((result.returncode, result.stdout), (1, ""))
+                    self.assertRegex(result.stderr, rf"^proxima: {self.folder}/{name}: the library that reads 3DS, glTF and GLB was not found: "
+                                                    rf"tried {bare}/proxima/libproxima_scenes-\S+\.so .*; install it there, or convert the file to "
+                                                    r"OBJ, PLY, STL or OFF\n$")
 
     def test_missing_file(self):
         path = self.folder / "missing.obj"

@@ -1,5 +1,5 @@
-// The library that reads scenes for libproxima.so, which is opened when a 3DS, glTF or GLB file is first read: programs
-// that read none never load assimp.
+// The library that reads scenes for libproxima.so, the program `proxima` and others, which is opened when a 3DS, glTF or
+// GLB file is first read: who reads none never loads assimp.
 #pragma once
 
 #include "mesh/io/mesh_assembler.h"

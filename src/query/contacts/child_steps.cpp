@@ -1,7 +1,5 @@
 #include "query/contacts/child_steps.h"
 
-#include "geometry/length.h"
-
 #include <algorithm>
 #include <limits>
 
@@ -243,7 +241,8 @@ public:
             normalize(direction);
             if (along_lanes(direction)) return;
         }
-        const Vec3 normal = of_a ? unit_of(rotation * opened_.b.normal) : opened_.a.normal;
+        const Vec3 normal =
+            of_a ? Vec3((rotation * opened_.b.normal).stableNormalized()) : opened_.a.normal;
         if (!normal.isZero(0) && along(shared.along(SharedAlongs::slab, normal))) return;
         for (std::size_t i = 0; i < SharedAlongs::axes; ++i)
             if (along(shared.axis(i))) return;

@@ -32,8 +32,12 @@ file(REMOVE_RECURSE ${WORK})
 run(${CMAKE_COMMAND} --install ${BUILD} --prefix ${WORK}/prefix)
 
 # The program opens its libraries where they are installed.
+set(scene ${CMAKE_CURRENT_LIST_DIR}/../../../fuzz/corpus/glb/two_tetrahedra.glb)
 if(EXISTS ${WORK}/prefix/bin/proxima)
   run(${WORK}/prefix/bin/proxima octree cube --quiet --picture ${WORK}/cube.png)
+  if(READS_SCENES)
+    run(${WORK}/prefix/bin/proxima check ${scene})
+  endif()
 endif()
 
 set(ENV{PKG_CONFIG_PATH} ${WORK}/prefix/${LIBDIR}/pkgconfig)
@@ -65,7 +69,6 @@ run(${CMAKE_COMMAND} -S ${CMAKE_CURRENT_LIST_DIR}/../../../examples -B ${WORK}/e
 run(${CMAKE_COMMAND} --build ${WORK}/examples --target what_is_closest rays_in_c)
 run(${CTEST} --test-dir ${WORK}/examples --no-tests=error --output-on-failure -R "what_is_closest|rays_in_c")
 if(READS_SCENES)
-  set(scene ${CMAKE_CURRENT_LIST_DIR}/../../../fuzz/corpus/glb/two_tetrahedra.glb)
   run(${PYTHON} -B ${CMAKE_CURRENT_LIST_DIR}/../../c/ctypes_test.py ${WORK}/prefix/${LIBDIR}/libproxima_c.so ${scene})
   run(${WORK}/examples/what_is_closest ${scene})
   if(NOT output MATCHES "^closest point ")
