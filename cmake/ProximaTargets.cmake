@@ -24,10 +24,12 @@ endif()
 target_compile_options(proxima_developer_options INTERFACE -ffunction-sections -fdata-sections)
 if(NOT PROXIMA_SANITIZE)
   # What is installed notices an overwritten stack, and copies that do not fit where sizes are known (docs/security.md).
-  target_compile_options(proxima_developer_options INTERFACE $<$<CONFIG:Release>:-fstack-protector-strong>)
+  target_compile_options(proxima_developer_options INTERFACE $<$<CONFIG:Release,RelWithDebInfo,MinSizeRel>:-fstack-protector-strong>)
   # Unless the flags say how much is checked: distributions set 3.
-  if(NOT "${CMAKE_CXX_FLAGS} ${CMAKE_CXX_FLAGS_RELEASE}" MATCHES "_FORTIFY_SOURCE")
-    target_compile_options(proxima_developer_options INTERFACE "$<$<CONFIG:Release>:-U_FORTIFY_SOURCE;-D_FORTIFY_SOURCE=2>")
+  string(TOUPPER "${CMAKE_BUILD_TYPE}" build_type)
+  if(NOT "${CMAKE_CXX_FLAGS} ${CMAKE_CXX_FLAGS_${build_type}}" MATCHES "_FORTIFY_SOURCE")
+    target_compile_options(proxima_developer_options INTERFACE
+      "$<$<CONFIG:Release,RelWithDebInfo,MinSizeRel>:-U_FORTIFY_SOURCE;-D_FORTIFY_SOURCE=2>")
   endif()
 endif()
 if(CMAKE_SYSTEM_PROCESSOR STREQUAL "aarch64")

@@ -118,7 +118,8 @@ void add_common_options(CLI::App& parser, CommonOptions& options)
                     "Show progress on stderr also in a pipe, a line per stage");
 }
 
-/// What an error says, with what somebody can do here: not every command has a budget.
+/// What an error says, with what somebody can do here, for not every command has a budget, and with what
+/// was done all the same.
 std::string advice_of(const Error& error, const CLI::App& parser, const Session& session)
 {
     constexpr std::string_view raise = "raise the budget";
@@ -131,6 +132,8 @@ std::string advice_of(const Error& error, const CLI::App& parser, const Session&
                          : "give it more memory (ulimit -v, where that is the limit)");
     }
     if (error.code == ErrorCode::invalid_mesh && session.found_only_points()) text += points_hint;
+    if (const auto written = session.written(); !written.empty())
+        text += fmt::format("; before that, {} had been written", fmt::join(written, ", "));
     return text;
 }
 

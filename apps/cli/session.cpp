@@ -66,7 +66,28 @@ bool is_where_stdout_goes(const std::string& path) noexcept
            (S_ISREG(out.st_mode) || S_ISFIFO(out.st_mode));
 }
 
+/// All zero where there is no such file.
+struct stat status_of(const std::string& path) noexcept
+{
+    struct stat status {};
+    if (::stat(path.c_str(), &status) != 0) status = {};
+    return status;
+}
+
 } // namespace
+
+std::vector<std::string> Session::written() const
+{
+    // A file that is replaced is another one.
+    std::vector<std::string> paths;
+    for (const OutputBefore& output : before_) {
+        const struct stat now = status_of(output.path);
+        if (now.st_nlink > 0 &&
+            (now.st_dev != output.status.st_dev || now.st_ino != output.status.st_ino))
+            paths.push_back(output.path);
+    }
+    return paths;
+}
 
 void Session::print(std::string_view text) const
 {
@@ -150,7 +171,10 @@ Status Session::check_outputs(const std::vector<std::string>& files, bool rows_o
         }
         auto output = OutputFile::create(path); // thrown away uncommitted
         if (output) {
-            if (output->is_direct()) outputs_.push_back(std::move(*output));
+            if (output->is_direct())
+                outputs_.push_back(std::move(*output));
+            else if (std::ranges::find(before_, path, &OutputBefore::path) == before_.end())
+                before_.push_back({path, status_of(path)});
             return {};
         }
         if (auto status = check_running(); !status) return status;

@@ -13,6 +13,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <sys/stat.h>
 #include <vector>
 
 namespace proxima {
@@ -105,14 +106,24 @@ public:
     [[nodiscard]] Status check_outputs(const std::vector<std::string>& files,
                                        bool rows_on_stdout = false);
 
+    /// Those files that check_outputs() was asked about and that have been written since.
+    [[nodiscard]] std::vector<std::string> written() const;
+
 private:
+    /// A regular file, or none, as it was.
+    struct OutputBefore {
+        std::string path;
+        struct stat status; ///< all zero where there was none
+    };
+
     [[nodiscard]] Status check_inputs(const std::vector<std::string>& outputs) const;
 
     CommonOptions options_;
     Progress progress_;
     bool found_only_points_ = false;
     std::vector<std::string> notes_;
-    std::vector<OutputFile> outputs_; ///< those that are no regular files
+    std::vector<OutputFile> outputs_;  ///< those that are no regular files
+    std::vector<OutputBefore> before_; ///< the others
 };
 
 } // namespace proxima

@@ -1,4 +1,4 @@
-// What a command says on stderr. Where nobody takes it (closed, a full disk) it is lost: that is no
+// What a command says on stderr. Where nobody takes it (closed, a full disk, a pipe without a reader) it is lost: that is no
 // reason to end. Nothing is allocated, so that running out of memory can be reported, too.
 #pragma once
 

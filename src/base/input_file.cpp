@@ -13,6 +13,7 @@
 #include <sys/stat.h>
 #include <system_error>
 #include <unistd.h>
+#include <utility>
 
 namespace proxima {
 
@@ -30,12 +31,13 @@ tl::unexpected<Error> unreadable(const std::filesystem::path& path, int error_nu
 /// Closes a descriptor when it goes out of scope; a map of the file stays.
 class Descriptor {
 public:
-    // Without blocking, so that a pipe is refused instead of waited for.
-    explicit Descriptor(const std::filesystem::path& path) noexcept
-        : value_(::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK))
-    {}
-    Descriptor(const Descriptor&) = delete;
-    Descriptor& operator=(const Descriptor&) = delete;
+    explicit Descriptor(int value) noexcept : value_(value) {}
+    Descriptor(Descriptor&& other) noexcept : value_(std::exchange(other.value_, -1)) {}
+    Descriptor& operator=(Descriptor&& other) noexcept
+    {
+        std::swap(value_, other.value_);
+        return *this;
+    }
     ~Descriptor()
     {
         if (value_ >= 0) (void)::close(value_);
@@ -45,6 +47,23 @@ public:
 private:
     int value_;
 };
+
+// Without blocking, so that a pipe is refused instead of waited for.
+constexpr int flags_of_file = O_RDONLY | O_CLOEXEC | O_NONBLOCK;
+
+/// Less than 0 and errno, ELOOP or ENOTDIR where a part of the path is a link. \pre it is absolute
+Descriptor open_without_links(const std::filesystem::path& path)
+{
+    Descriptor folder(::open("/", O_PATH | O_DIRECTORY | O_CLOEXEC));
+    for (const auto& part : path.parent_path().relative_path()) {
+        if (folder.value() < 0) break;
+        folder = Descriptor(
+            ::openat(folder.value(), part.c_str(), O_PATH | O_DIRECTORY | O_NOFOLLOW | O_CLOEXEC));
+    }
+    if (folder.value() < 0) return folder;
+    return Descriptor(
+        ::openat(folder.value(), path.filename().c_str(), flags_of_file | O_NOFOLLOW));
+}
 
 Result<FileBytes> map(const std::filesystem::path& path, const Descriptor& file, std::size_t size)
 {
@@ -97,7 +116,8 @@ Result<FileBytes> read(const std::filesystem::path& path, const Descriptor& file
 
 Result<FileBytes> read_file(const std::filesystem::path& path, const FileReadOptions& options)
 {
-    const Descriptor file(path);
+    const Descriptor file = options.follow_links ? Descriptor(::open(path.c_str(), flags_of_file))
+                                                 : open_without_links(path);
     struct stat information {};
     if (file.value() < 0 || ::fstat(file.value(), &information) != 0) {
         return unreadable(path, errno);

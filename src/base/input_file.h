@@ -32,6 +32,8 @@ struct FileReadOptions {
     MemoryBudget budget = {};     ///< of what is read
     Progress* progress = nullptr; ///< stage "loading file", steps are bytes
     const char* advice = "";      ///< what to do where the budget does not suffice
+    /// False: `path`, an absolute one, is refused where a part of it is a symbolic link, whoever puts one there meanwhile.
+    bool follow_links = true;
 };
 
 /// The content of a regular file. Pipes and devices are refused, not waited for. Errors:

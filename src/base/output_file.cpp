@@ -2,19 +2,18 @@
 
 #include "base/check.h"
 #include "base/progress.h"
+#include "base/signal_block.h"
 
 #include <atomic>
 #include <cerrno>
 #include <chrono>
 #include <csignal>
 #include <cstring>
-#include <ctime>
 #include <dirent.h>
 #include <fcntl.h>
 #include <memory>
 #include <mutex>
 #include <optional>
-#include <pthread.h>
 #include <set>
 #include <string>
 #include <sys/file.h>
@@ -47,36 +46,12 @@ tl::unexpected<Error> not_writable(const fs::path& path, const std::string& why)
     return fail(ErrorCode::file_not_writable, "cannot write this file: " + why, path.string());
 }
 
-// Beyond a file-size limit the kernel raises SIGXFSZ, which ends the process, unless it is blocked;
-// then write() fails with EFBIG like on a full disk and the pending signal is taken back.
-class FileSizeSignalBlock {
-public:
-    FileSizeSignalBlock() noexcept
-    {
-        sigemptyset(&signal_);
-        sigaddset(&signal_, SIGXFSZ);
-        pthread_sigmask(SIG_BLOCK, &signal_, &before_);
-    }
-    FileSizeSignalBlock(const FileSizeSignalBlock&) = delete;
-    FileSizeSignalBlock& operator=(const FileSizeSignalBlock&) = delete;
-    ~FileSizeSignalBlock() { pthread_sigmask(SIG_SETMASK, &before_, nullptr); }
-
-    void take_back() const noexcept
-    {
-        const timespec no_wait{};
-        (void)sigtimedwait(&signal_, nullptr, &no_wait);
-    }
-
-private:
-    sigset_t signal_{};
-    sigset_t before_{};
-};
-
-// Writes all of it by write_some(data, size). 0 or the errno of the failure.
+// Writes all of it by write_some(data, size). 0 or the errno of the failure. Beyond a file-size limit the
+// kernel raises SIGXFSZ, which would end the process; blocked, it lets write() fail like on a full disk.
 template <class WriteSome>
 int write_all(const char* data, std::size_t size, const WriteSome& write_some) noexcept
 {
-    const FileSizeSignalBlock block;
+    const SignalBlock block(SIGXFSZ);
     while (size > 0) {
         const ssize_t written = write_some(data, size);
         if (written < 0) {
@@ -119,20 +94,28 @@ fs::path temporary_beside(const fs::path& path)
            concat(temporary_prefix, static_cast<long>(getpid()), "-", number, temporary_suffix);
 }
 
+// Two numbers with a hyphen between them, and what every such name has before and behind them.
 bool is_temporary_name(std::string_view name)
 {
     if (!name.starts_with(temporary_prefix) || !name.ends_with(temporary_suffix)) return false;
     name.remove_prefix(temporary_prefix.size());
-    return name.size() > temporary_suffix.size() &&
-           name.substr(0, name.size() - temporary_suffix.size()).find_first_not_of("0123456789-") ==
-               std::string_view::npos;
+    if (name.size() <= temporary_suffix.size()) return false;
+    name.remove_suffix(temporary_suffix.size());
+    const std::size_t hyphen = name.find('-');
+    if (hyphen == std::string_view::npos) return false;
+    const auto is_number = [](std::string_view text) {
+        return !text.empty() && text.find_first_not_of("0123456789") == std::string_view::npos &&
+               (text.size() == 1 || text.front() != '0');
+    };
+    return is_number(name.substr(0, hyphen)) && is_number(name.substr(hyphen + 1));
 }
 
 // Removes the file where it is one's own and no process writes it.
 void remove_if_abandoned(const fs::path& path) noexcept
 {
-    const int descriptor =
-        ::open(path.c_str(), O_RDONLY | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC | O_NOCTTY);
+    constexpr int flags = O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC | O_NOCTTY;
+    int descriptor = ::open(path.c_str(), O_RDONLY | flags);
+    if (descriptor < 0 && errno == EACCES) descriptor = ::open(path.c_str(), O_WRONLY | flags);
     if (descriptor < 0) return;
     struct stat status {};
     if (::fstat(descriptor, &status) == 0 && S_ISREG(status.st_mode) &&
@@ -342,8 +325,13 @@ Result<OutputFile> OutputFile::create(const fs::path& path, const OutputOptions&
 
     struct stat existing {};
     const bool exists = ::stat(path.c_str(), &existing) == 0;
-    if (!exists && errno == ENAMETOOLONG)
-        return not_writable(path, reason(errno) + ": give it a shorter name");
+    // Links that lead nowhere are looked at below. Those that the system does not follow, as another user's in
+    // a folder like /tmp, are not followed here either.
+    if (!exists && errno != ENOENT && errno != ENOTDIR && errno != ELOOP) {
+        const bool is_long = errno == ENAMETOOLONG;
+        return not_writable(path, reason(errno) + (is_long ? ": give it a shorter name"
+                                                           : ": choose another place"));
+    }
     if (exists && S_ISDIR(existing.st_mode)) return not_writable(path, "it is a folder");
     if (exists && (!S_ISREG(existing.st_mode) || is_below_device_folders(path))) {
         const bool is_pipe = S_ISFIFO(existing.st_mode);

@@ -1,11 +1,11 @@
 // A library to be loaded before a program (LD_PRELOAD) that makes one call of the system or the
 // heap fail, or kills the program there. Counting begins with main and ends with it.
 //
-//     FAULT_CALL    allocate | new (of C++ alone) | open | write | fsync | close | rename
+//     FAULT_CALL    allocate | new (of C++ alone) | open | write | fsync | close | rename | stat
 //                   reach (the first message of proxima-mpi: its process then waits for ever) |
 //                   reduce (of MPI: it gets a wrong argument)
 //     FAULT_AT      which of these calls, from 1; 0 or nothing: none
-//     FAULT_ACTION  fail (no memory, or a full disk) | kill
+//     FAULT_ACTION  fail (no memory, a full disk, or, of stat, no permission) | kill
 //     FAULT_COUNT   a file that is written at the end: how many such calls there were
 #include <atomic>
 #include <cerrno>
@@ -18,13 +18,14 @@
 #include <fcntl.h>
 #include <new>
 #include <sys/mman.h>
+#include <sys/stat.h>
 #include <sys/syscall.h>
 #include <sys/types.h>
 #include <unistd.h>
 
 namespace {
 
-enum class Call { none, allocate, create, open, write, fsync, close, rename, reach, reduce };
+enum class Call { none, allocate, create, open, write, fsync, close, rename, stat, reach, reduce };
 
 struct Plan {
     Call call = Call::none;
@@ -53,6 +54,7 @@ void read_plan()
                 : is(call, "fsync")  ? Call::fsync
                 : is(call, "close")  ? Call::close
                 : is(call, "rename") ? Call::rename
+                : is(call, "stat")   ? Call::stat
                 : is(call, "reach")  ? Call::reach
                 : is(call, "reduce") ? Call::reduce
                                      : Call::none;
@@ -210,6 +212,13 @@ int close(int file)
 int rename(const char* from, const char* to) noexcept
 {
     return fails(Call::rename) ? full_disk() : static_cast<int>(::syscall(SYS_rename, from, to));
+}
+
+int stat(const char* path, struct stat* status) noexcept
+{
+    if (!fails(Call::stat)) return next<int(const char*, struct stat*)>("stat")(path, status);
+    errno = EACCES;
+    return -1;
 }
 
 // Open MPI's handles are pointers.

@@ -14,7 +14,7 @@ import unittest
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
-from proxima_program import PROXIMA, SANITIZED, SECONDS, ProgramTest
+from proxima_program import PROXIMA, SANITIZED, SECONDS, ProgramTest, has_signal
 
 SHIM = os.environ["FAULT_SHIM"]
 EACH = int(os.environ.get("FAULTS_EACH", "40"))  # calls of a job that are tried; 0: all
@@ -79,7 +79,9 @@ class FaultTest(ProgramTest):
             def attempt(number, name=name, new=new):
                 folder = self.prepare(name)
                 result = self.run_job(name, folder, call, number, action)
-                return number, self.check(name, folder, result, new), result.returncode
+                # Without memory nothing more is said.
+                wrong = self.check(name, folder, result, new, says_what_was_written=call != "allocate")
+                return number, wrong, result.returncode
 
             with ThreadPoolExecutor(os.cpu_count()) as pool:
                 for number, wrong, status in pool.map(attempt, numbers):
@@ -95,7 +97,7 @@ class FaultTest(ProgramTest):
             columns = (ended.total(), *(ended[how] for how in ("said", "done", "killed", "wrong")))
             print(f"| `{call}` {'fails' if action == 'fail' else 'is killed'} | {' | '.join(map(str, columns))} |", flush=True)
 
-    def check(self, name, folder, result, new):
+    def check(self, name, folder, result, new, says_what_was_written):
         """What is wrong, if anything."""
         outputs = [(folder / output).read_bytes() for output in JOBS[name][1]]
         if any(output not in (OLD, whole) for output, whole in zip(outputs, new)):
@@ -111,6 +113,9 @@ class FaultTest(ProgramTest):
             return f"status {result.returncode}: {result.stderr}"
         if not result.stderr.startswith("proxima: ") or result.stderr.count("\n") != 1:
             return f"no line that says why: {result.stderr!r}"
+        unsaid = [path for path, output in zip(JOBS[name][1], outputs) if output != OLD and f"{folder}/{path}" not in result.stderr]
+        if says_what_was_written and unsaid:
+            return f"{unsaid} written, and not said: {result.stderr!r}"
         return None
 
     def may_be_killed(self, _folder, _result):
@@ -125,8 +130,33 @@ class Allocations(FaultTest):
 
 class Writes(FaultTest):
     def test_each_call_fails_once(self):
-        for call in ("open", "write", "fsync", "close", "rename"):
+        for call in ("open", "write", "fsync", "close", "rename", "stat"):
             self.try_calls(call)
+
+    def test_outputs_that_were_written_before_a_failure_are_named(self):
+        folder = self.prepare("repair")
+        result = subprocess.run([PROXIMA, "repair", folder / "a.off", "--out", folder / "b.ply", "--map", folder / "map.csv",
+                                 "--json", "/dev/full", "--quiet"], text=True, capture_output=True, timeout=SECONDS)
+        self.assertEqual((result.returncode, result.stderr), (1, "proxima: /dev/full: cannot write this file: No space left on device; before "
+                                                                 f"that, {folder}/b.ply, {folder}/map.csv had been written\n"))
+
+    def test_what_a_link_leads_to_keeps_its_mode_where_it_cannot_be_looked_at(self):
+        """As where the system does not let another user's link in /tmp be followed."""
+        folder = self.prepare("closest")
+        victim = folder / "victim"
+        at = 0
+        while True:
+            victim.write_bytes(OLD)
+            victim.chmod(0o600)
+            (folder / "a.csv").unlink()
+            (folder / "a.csv").symlink_to(victim)
+            at += 1
+            result = self.run_job("closest", folder, "stat", at)
+            self.assertEqual(victim.stat().st_mode & 0o777, 0o600, at)
+            self.assertEqual(result.returncode == 0, victim.read_bytes() != OLD, result.stderr)
+            if at > int((folder / "count").read_text()):
+                break
+        self.assertGreater(at, 3)
 
     def test_a_failure_after_the_file_was_replaced_is_called_that(self):
         count, new = self.reference("closest", "fsync")
@@ -204,6 +234,16 @@ class Streams(ProgramTest):
         result = self.shell("$P octree icosphere:4 --save a.pxo --progress --quiet 2>&-")
         self.assertEqual(result.returncode, 0)
 
+    def test_a_stderr_that_nobody_reads_is_no_reason_to_end(self):
+        for arguments, status in ((("closest", "missing.off", "--point", "0,0,0"), 1), (("nonsense",), 2),
+                                  (("index", "icosphere:4", "--save", "a.pxi", "--progress", "--quiet"), 0)):
+            reads, writes = os.pipe()
+            os.close(reads)
+            result = subprocess.run([PROXIMA, *arguments], cwd=self.folder, stderr=writes, timeout=SECONDS)
+            os.close(writes)
+            self.assertEqual(result.returncode, status, arguments)
+        self.assertTrue((self.folder / "a.pxi").exists())
+
     def test_what_is_meant_for_a_closed_stream_does_not_go_into_a_file(self):
         self.file("a.off", TETRAHEDRON)
         os.mkfifo(self.folder / "points")
@@ -224,10 +264,16 @@ class Streams(ProgramTest):
             self.assertEqual((result.returncode, result.stderr), (1, CLOSED_STDOUT))
 
     def test_an_ignored_interrupt_stays_ignored(self):
-        result = self.shell("trap '' INT; $P octree spaceship:20000 --depth 7 --save a.pxo --quiet & "
-                            "sleep 0.1; kill -INT $!; wait $!")
-        self.assertEqual(result.returncode, 0, result.stderr)
-        self.assertTrue((self.folder / "a.pxo").exists())
+        os.mkfifo(self.folder / "points")
+        process = subprocess.Popen(["sh", "-c", "trap '' INT; exec \"$P\" closest cube --points points --out a.csv --quiet"],
+                                   cwd=self.folder, env={**os.environ, "P": PROXIMA})
+        with open(self.folder / "points", "w") as points:  # returns once the program reads
+            self.assertTrue(has_signal(process.pid, "SigCgt", signal.SIGTERM), "no handlers yet")
+            self.assertTrue(has_signal(process.pid, "SigIgn", signal.SIGINT))
+            process.send_signal(signal.SIGINT)
+            points.write("0,0,2\n")
+        self.assertEqual(process.wait(timeout=SECONDS), 0)
+        self.assertTrue((self.folder / "a.csv").exists())
 
 
 if __name__ == "__main__":

@@ -142,6 +142,28 @@ TEST_F(InputFile, GoesOnAfterASignalAndSaysWhatElseFails)
         << shorter.error().message;
 }
 
+TEST_F(InputFile, FollowsNoLinkWhereNoneIsExpected)
+{
+    namespace fs = std::filesystem;
+    fs::create_directories(path("folder/inner"));
+    const fs::path folder = fs::canonical(path("folder"));
+    std::ofstream(folder / "inner" / "a") << "content";
+    fs::create_symlink(folder / "inner" / "a", folder / "inner" / "link");
+    fs::create_symlink("inner", folder / "other");
+    const FileReadOptions options = {.follow_links = false};
+    const auto plain = read_file(folder / "inner" / "a", options);
+    ASSERT_TRUE(plain) << describe(plain.error());
+    EXPECT_EQ(plain->text(), "content");
+    for (const char* const name : {"inner/link", "other/a", "other/link"}) {
+        EXPECT_TRUE(read_file(folder / name, {})) << name;
+        const auto refused = read_file(folder / name, options);
+        ASSERT_FALSE(refused) << name;
+        EXPECT_EQ(code_of(refused), ErrorCode::file_not_found);
+    }
+    EXPECT_EQ(code_of(read_file(folder / "none", options)), ErrorCode::file_not_found);
+    EXPECT_EQ(code_of(read_file(folder / "inner", options)), ErrorCode::file_not_found);
+}
+
 TEST_F(InputFile, SaysWhyItCannotBeRead)
 {
     const auto refused = [](const std::filesystem::path& name, ErrorCode code, const char* words) {

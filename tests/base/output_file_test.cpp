@@ -284,7 +284,11 @@ TEST_F(OutputFileTest, RemovesWhatAKilledProcessLeft)
 
     std::ofstream(path("kept.txt")) << "kept";
     fs::create_symlink("kept.txt", path(".proxima-1-1.tmp"));
-    std::ofstream(path(".proxima-1-x.tmp")) << "no name of a temporary file";
+    const char* const others[] = {".proxima-1-x.tmp",  ".proxima-2024-12-01.tmp",
+                                  ".proxima-07-1.tmp", ".proxima-7-.tmp",
+                                  ".proxima-71.tmp",   ".proxima-.tmp"};
+    for (const char* const name : others)
+        std::ofstream(path(name)) << "no name of a temporary file";
     fs::create_directory(path(".proxima-1-2.tmp"));
     std::ofstream(path(".proxima-1-3.tmp")) << "being written";
     const int writer = ::open(path(".proxima-1-3.tmp").c_str(), O_WRONLY);
@@ -293,10 +297,32 @@ TEST_F(OutputFileTest, RemovesWhatAKilledProcessLeft)
     ::close(writer);
     EXPECT_EQ(content(path("b.txt")), "new");
     EXPECT_EQ(content(path("kept.txt")), "kept");
-    for (const char* const name :
-         {".proxima-1-1.tmp", ".proxima-1-x.tmp", ".proxima-1-2.tmp", ".proxima-1-3.tmp"})
+    for (const char* const name : {".proxima-1-1.tmp", ".proxima-1-2.tmp", ".proxima-1-3.tmp"})
         EXPECT_TRUE(fs::exists(fs::symlink_status(path(name)))) << name;
-    EXPECT_EQ(entries(), 6);
+    for (const char* const name : others) EXPECT_TRUE(fs::exists(path(name))) << name;
+    EXPECT_EQ(entries(), 11);
+}
+
+// In a child without the superuser's rights: what replaces a file that may only be written may not be read
+// either.
+TEST_F(OutputFileTest, RemovesLeftFilesThatMayNotBeRead)
+{
+    fs::permissions(path("."), fs::perms::all);
+    const pid_t child = ::fork();
+    ASSERT_GE(child, 0);
+    if (child == 0) {
+        constexpr uid_t nobody = 65534;
+        if (::geteuid() == 0 && ::setuid(nobody) != 0) ::_exit(1);
+        std::ofstream(path(".proxima-1-1.tmp")) << "left";
+        if (::chmod(path(".proxima-1-1.tmp").c_str(), 0200) != 0) ::_exit(2);
+        replace(path("a.txt"));
+        ::_exit(fs::exists(path(".proxima-1-1.tmp")) ? 3 : 0);
+    }
+    int status = 0;
+    ASSERT_EQ(::waitpid(child, &status, 0), child);
+    ASSERT_TRUE(WIFEXITED(status));
+    EXPECT_EQ(WEXITSTATUS(status), 0);
+    EXPECT_EQ(entries(), 1);
 }
 
 TEST_F(OutputFileTest, TakesAnotherNameWhereOneWasTakenForAbandoned)

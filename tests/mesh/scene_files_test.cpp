@@ -65,6 +65,25 @@ TEST_F(SceneFiles, AreReadBelowTheFolderOfTheScene)
     }
 }
 
+TEST_F(SceneFiles, MayHaveAnyName)
+{
+    // Such as one that the scene itself might have.
+    for (const char* const name : {"scene.glb", "scene.3ds", "other.gltf"}) {
+        std::ofstream(path("scenes") / name, std::ios::binary) << buffer;
+        const auto mesh = read(name);
+        ASSERT_TRUE(mesh) << name << ": " << describe(mesh.error());
+        EXPECT_EQ(mesh->triangle_count(), 8U) << name;
+    }
+    std::ofstream(path("scenes/scene.gltf"), std::ios::binary) << buffer;
+    std::ofstream(path("scenes/other.gltf"), std::ios::binary) << scene_with("scene.gltf");
+    const auto mesh = read_mesh(path("scenes/other.gltf"));
+    ASSERT_TRUE(mesh) << describe(mesh.error());
+    EXPECT_EQ(mesh->triangle_count(), 8U);
+    const auto without = bounding_box(read("buffer.bin").value());
+    EXPECT_EQ(bounding_box(*mesh).lower, without.lower);
+    EXPECT_EQ(bounding_box(*mesh).upper, without.upper);
+}
+
 TEST_F(SceneFiles, MayHaveEncodedNames)
 {
     fs::create_directories(path("scenes/all parts"));

@@ -296,7 +296,8 @@ Result<TriangleMesh> read_with_assimp(const MeshSource& source, const std::files
         // No post-processing: assimp joins vertices and finds degenerate triangles by tolerances.
         Assimp::Importer importer;
         // Names in the scene are relative to it: assimp is not told its folder.
-        const std::string scene_name = concat("scene.", hint_of(format));
+        // A name that no file has: a scene may refer to one called scene.gltf.
+        const std::string scene_name = concat("\x01scene.", hint_of(format));
         auto owned_files =
             std::make_unique<SceneFiles>(for_assimp, scene_name, folder, options.execution.budget);
         const SceneFiles& files = *owned_files;

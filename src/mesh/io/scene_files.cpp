@@ -131,8 +131,10 @@ Assimp::IOStream* SceneFiles::Open(const char* name, const char* /*mode*/)
     if (name == scene_name_)
         return new Assimp::MemoryIOStream(bytes_of(source_.text), source_.text.size());
     const auto read = find(name).and_then([&](const fs::path& path) {
-        return read_file(path,
-                         {.budget = {bytes_left_}, .advice = "raise the budget or split the mesh"});
+        // Links were followed when it was found. One that has come since may lead anywhere.
+        return read_file(path, {.budget = {bytes_left_},
+                                .advice = "raise the budget or split the mesh",
+                                .follow_links = false});
     });
     if (!read) {
         error_ = read.error();
