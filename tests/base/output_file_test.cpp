@@ -284,9 +284,8 @@ TEST_F(OutputFileTest, RemovesWhatAKilledProcessLeft)
 
     std::ofstream(path("kept.txt")) << "kept";
     fs::create_symlink("kept.txt", path(".proxima-1-1.tmp"));
-    const char* const others[] = {".proxima-1-x.tmp",  ".proxima-2024-12-01.tmp",
-                                  ".proxima-07-1.tmp", ".proxima-7-.tmp",
-                                  ".proxima-71.tmp",   ".proxima-.tmp"};
+    const char* const others[] = {".proxima-1-x.tmp", ".proxima-24-12-01.tmp", ".proxima-07-1.tmp",
+                                  ".proxima-7-.tmp",  ".proxima-71.tmp",       ".proxima-.tmp"};
     for (const char* const name : others)
         std::ofstream(path(name)) << "no name of a temporary file";
     fs::create_directory(path(".proxima-1-2.tmp"));
