@@ -7,7 +7,6 @@
 #include "proxima/minkowski_sum.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
@@ -44,15 +43,17 @@ void check_facets(const ConvexPolyhedron& hull)
     for (std::uint32_t a = 0; a < corners.size(); ++a) {
         for (std::uint32_t b = a + 1; b < corners.size(); ++b) {
             for (std::uint32_t c = b + 1; c < corners.size(); ++c) {
-                std::array<bool, 3> seen{}; // below, on and above the plane
+                bool is_any_below = false;
+                bool is_any_above = false;
                 Vertices on;
                 for (std::uint32_t d = 0; d < corners.size(); ++d) {
                     const int side = orient3d(corners[a], corners[b], corners[c], corners[d]);
-                    seen[static_cast<std::size_t>(side + 1)] = true;
+                    is_any_below = is_any_below || side < 0;
+                    is_any_above = is_any_above || side > 0;
                     if (side == 0) on.push_back(d);
                 }
-                PROXIMA_CHECK(seen[0] || seen[2]);
-                if (seen[0] != seen[2]) planes.insert(on);
+                PROXIMA_CHECK(is_any_below || is_any_above);
+                if (is_any_below != is_any_above) planes.insert(on);
             }
         }
     }

@@ -57,10 +57,10 @@ MeshIndex saved_and_loaded(const MeshIndex& index)
     const auto file = std::filesystem::temp_directory_path() /
                       ("proxima_fuzz_" + std::to_string(::getpid()) + ".pxi");
     PROXIMA_CHECK(save_index(index, file).has_value());
-    auto loaded = load_index(file);
+    const auto loaded = load_index(file);
     std::filesystem::remove(file);
     PROXIMA_CHECK(loaded.has_value());
-    return std::move(*loaded);
+    return *loaded;
 }
 
 /// From where the last answer was and within radii about the distance. A radius is taken for one that is off by a few
@@ -95,13 +95,14 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     }
     const TriangleMesh mesh = moved(before, bytes, code);
     const Topology topology = build_topology(mesh).value();
-    auto refitted = refit_index(index, mesh, topology, {.execution = alone});
+    const auto refitted = refit_index(index, mesh, topology, {.execution = alone});
     if (!refitted) return 0; // lists that no longer fit their size
-    index = form % 16 == 1 ? saved_and_loaded(*refitted) : std::move(*refitted);
+    index = form % 16 == 1 ? saved_and_loaded(*refitted) : *refitted;
     const TriangleMesh again = mesh_of(index).value();
-    for (std::uint32_t i = 0; i < mesh.triangle_count(); ++i)
-        PROXIMA_CHECK(again.triangle(TriangleId{i}).vertices ==
-                      mesh.triangle(TriangleId{i}).vertices);
+    for (std::uint32_t i = 0; i < mesh.triangle_count(); ++i) {
+        const Triangle expected = mesh.triangle(TriangleId{i});
+        PROXIMA_CHECK(again.triangle(TriangleId{i}).vertices == expected.vertices);
+    }
     std::vector<TrianglePair> meeting;
     for (std::uint32_t i = 0; i < mesh.triangle_count(); ++i) {
         for (std::uint32_t j = i + 1; j < mesh.triangle_count(); ++j) {

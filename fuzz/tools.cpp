@@ -34,7 +34,7 @@ std::optional<TriangleMesh> small_mesh(fuzz::Bytes& bytes, std::size_t most, dou
     if (!(extent > 1e-100) || !std::isfinite(extent)) return std::nullopt;
     std::vector<Vec3> positions;
     for (const Vec3& p : whole.positions())
-        positions.push_back((p - box.center()) * (size / extent));
+        positions.emplace_back((p - box.center()) * (size / extent));
     const auto all = whole.triangles();
     const auto some = all.first(std::min(all.size(), most));
     return *make_triangle_mesh(std::move(positions), {some.begin(), some.end()});

@@ -171,10 +171,11 @@ Status Session::check_outputs(const std::vector<std::string>& files, bool rows_o
         }
         auto output = OutputFile::create(path); // thrown away uncommitted
         if (output) {
-            if (output->is_direct())
+            if (output->is_direct()) {
                 outputs_.push_back(std::move(*output));
-            else if (std::ranges::find(before_, path, &OutputBefore::path) == before_.end())
+            } else if (std::ranges::find(before_, path, &OutputBefore::path) == before_.end()) {
                 before_.push_back({path, status_of(path)});
+            }
             return {};
         }
         if (auto status = check_running(); !status) return status;

@@ -1,6 +1,6 @@
 # Installs into an empty prefix, then builds and runs separate projects against it, by find_package
-# and by pkg-config: a small one, and the examples. Before that, looks at what was installed
-# (installed_headers.py). The libraries may be static or shared.
+# and by pkg-config: a small one, and the examples. Before that, looks at what was installed, and
+# compiles all headers in one source (installed_headers.py). The libraries may be static or shared.
 #
 #     cmake -DBUILD=<build folder> -DWORK=<folder to use> -DCXX=<compiler> -DLIBDIR=<lib> -DPYTHON=<python>
 #       -DCTEST=<ctest> -DREADS_SCENES=<with assimp> -P install_test.cmake

@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
-"""What users find after an installation: a folder of at most forty headers, each of which compiles alone and
-includes the others, Eigen and the standard library only; result.h also tl/expected.hpp. Beside them one for C, which
-needs the C library only.
+"""What users find after an installation: a folder of at most forty headers, which include each other, Eigen and the
+standard library only; result.h also tl/expected.hpp. They compile, all together, or, as `scripts/check public_headers`
+asks, each alone. Beside them one for C, which needs the C library only.
 
-    installed_headers.py INCLUDE_FOLDER COMPILER FLAGS...     exit status 1 where that is not so
+    installed_headers.py [--alone] INCLUDE_FOLDER COMPILER FLAGS...     exit status 1 where that is not so
 """
 import os
 import re
@@ -40,20 +40,27 @@ def eigen_of(folder, header):
         *(eigen_of(folder, name) for name in names if name.startswith("proxima/") and (folder / name).is_file()))
 
 
-def compile_alone(header, compiler, flags, eigen):
-    """What the compiler says of a source that includes the header twice and nothing else. What the header includes of
-    Eigen may be included before it, in compiled form: most of the time would go there."""
+def compile_only(headers, compiler, flags, eigen=None):
+    """What the compiler says of a source that includes the headers twice and nothing else. What they include of
+    Eigen may be included before them, in compiled form: most of the time would go there."""
     with tempfile.TemporaryDirectory() as work:
-        source = Path(work, "alone.cpp")
-        source.write_text(f'#include "{eigen}"\n' * bool(eigen) + 2 * f"#include <{header}>\n")
+        source = Path(work, "only.cpp")
+        source.write_text(f'#include "{eigen}"\n' * bool(eigen) + 2 * "".join(f"#include <{header}>\n" for header in headers))
         language = []
-        if header == FOR_C:
+        if headers == [FOR_C]:
             language, flags = ["-x", "c", "-std=c99", "-pedantic"], [flag for flag in flags if not flag.startswith("-std=")]
         done = subprocess.run([compiler, *language, *WARNINGS, "-fsyntax-only", *flags, source], capture_output=True, text=True)
-    return [] if done.returncode == 0 else [f"{header} does not compile alone:\n{done.stderr}"]
+    return [] if done.returncode == 0 else [f"{', '.join(map(str, headers))}: not compiled:\n{done.stderr}"]
 
 
-def compile_all(folder, headers, compiler, flags):
+def compile_together(headers, compiler, flags):
+    """Lines of what does not compile, but for C, in one source."""
+    for_cpp = [header for header in headers if header != FOR_C]
+    return compile_only(for_cpp, compiler, flags) + [line for header in headers if header == FOR_C
+                                                     for line in compile_only([header], compiler, flags)]
+
+
+def compile_alone(folder, headers, compiler, flags):
     """Lines of what does not compile alone."""
     needed = {header: frozenset(eigen_of(folder, header)) for header in headers}
     with tempfile.TemporaryDirectory() as work, ThreadPoolExecutor(os.cpu_count()) as compilers:
@@ -62,12 +69,15 @@ def compile_all(folder, headers, compiler, flags):
             compiled[names] = Path(work, f"eigen_{number}.h")
             compiled[names].write_text("".join(f"#include <{name}>\n" for name in sorted(names)))
             subprocess.run([compiler, *WARNINGS, *flags, "-x", "c++-header", compiled[names]], check=True)
-        found = compilers.map(lambda header: compile_alone(header, compiler, flags, compiled[needed[header]]), headers)
+        found = compilers.map(lambda header: compile_only([header], compiler, flags, compiled[needed[header]]), headers)
         return [line for lines in found for line in lines]
 
 
 def main():
-    folder, compiler, flags = Path(sys.argv[1]), sys.argv[2], sys.argv[3:]
+    arguments = sys.argv[1:]
+    alone = arguments[0] == "--alone"
+    folder, compiler, *flags = arguments[alone:]
+    folder = Path(folder)
     headers = sorted(path.relative_to(folder) for path in folder.rglob("*") if path.is_file())
     print("installed:", *headers)
     problems = [f"{header} is not proxima/NAME.h" for header in headers
@@ -76,7 +86,7 @@ def main():
         problems.append(f"{len(headers)} headers are installed, at most {MOST_HEADERS} should be")
     for header in headers:
         problems += wrong_includes(folder, header)
-    problems += compile_all(folder, headers, compiler, flags)
+    problems += compile_alone(folder, headers, compiler, flags) if alone else compile_together(headers, compiler, flags)
     for problem in problems:
         print(problem)
     return 1 if problems else 0
