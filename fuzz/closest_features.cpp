@@ -6,28 +6,15 @@
 #include "proxima/mesh_index.h"
 #include "proxima/topology.h"
 #include "query/closest/brute_force.h"
+#include "slow_answers.h"
 
 #include <cstddef>
 #include <cstdint>
 #include <vector>
 
-namespace {
-
-using namespace proxima;
-
-void expect_same(const ClosestFeature& found, const ClosestFeature& truth)
-{
-    PROXIMA_CHECK(found.feature == truth.feature);
-    PROXIMA_CHECK(found.triangle == truth.triangle);
-    PROXIMA_CHECK(found.point == truth.point);
-    PROXIMA_CHECK(found.barycentric == truth.barycentric);
-    PROXIMA_CHECK(found.squared_distance == truth.squared_distance);
-}
-
-} // namespace
-
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size)
 {
+    using namespace proxima;
     fuzz::Bytes bytes({data, size});
     const bool has_lists = bytes.next() % 8 == 0;
     const fuzz::PositionCode code(bytes);
@@ -50,8 +37,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
         const ClosestFeature truth = closest_feature_by_brute_force(mesh, topology, points[i]);
         const auto found = closest_feature(index, points[i]);
         PROXIMA_CHECK(found.has_value());
-        expect_same(*found, truth);
-        expect_same(answers[i], truth);
+        fuzz::expect_same(*found, truth);
+        fuzz::expect_same(answers[i], truth);
     }
     return 0;
 }

@@ -10,7 +10,7 @@
 #include "proxima/mesh_index.h"
 #include "proxima/topology.h"
 #include "query/closest/brute_force.h"
-#include "query/contact/self_intersection.h"
+#include "slow_answers.h"
 
 #include <algorithm>
 #include <cmath>
@@ -30,15 +30,6 @@ namespace {
 using namespace proxima;
 
 constexpr Execution alone{.threads = {1}};
-
-void expect_same(const ClosestFeature& found, const ClosestFeature& truth)
-{
-    PROXIMA_CHECK(found.feature == truth.feature);
-    PROXIMA_CHECK(found.triangle == truth.triangle);
-    PROXIMA_CHECK(found.point == truth.point);
-    PROXIMA_CHECK(found.barycentric == truth.barycentric);
-    PROXIMA_CHECK(found.squared_distance == truth.squared_distance);
-}
 
 /// The mesh with some of its vertices elsewhere.
 TriangleMesh moved(const TriangleMesh& mesh, fuzz::Bytes& bytes, const fuzz::PositionCode& code)
@@ -68,14 +59,14 @@ MeshIndex saved_and_loaded(const MeshIndex& index)
 void check_closest(const MeshIndex& index, const Vec3& p, const ClosestFeature& truth,
                    const ClosestFeature& start)
 {
-    expect_same(closest_feature(index, p).value(), truth);
-    expect_same(closest_feature(index, p, {.start_from = &start}).value(), truth);
+    fuzz::expect_same(closest_feature(index, p).value(), truth);
+    fuzz::expect_same(closest_feature(index, p, {.start_from = &start}).value(), truth);
     const double distance = std::sqrt(truth.squared_distance);
     if (distance < 1e-140 || !std::isfinite(distance)) return;
     const auto within = [&](double radius) {
         return closest_feature(index, p, {.radius = radius, .start_from = &start});
     };
-    expect_same(within(distance * (1 + 1e-12)).value(), truth);
+    fuzz::expect_same(within(distance * (1 + 1e-12)).value(), truth);
     PROXIMA_CHECK(!within(distance * (1 - 1e-12)).has_value());
     PROXIMA_CHECK(!within(-distance).has_value());
 }
@@ -103,14 +94,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
         const Triangle expected = mesh.triangle(TriangleId{i});
         PROXIMA_CHECK(again.triangle(TriangleId{i}).vertices == expected.vertices);
     }
-    std::vector<TrianglePair> meeting;
-    for (std::uint32_t i = 0; i < mesh.triangle_count(); ++i) {
-        for (std::uint32_t j = i + 1; j < mesh.triangle_count(); ++j) {
-            if (meet_beyond_corners(mesh.triangle(TriangleId{i}), mesh.triangle(TriangleId{j})))
-                meeting.push_back({TriangleId{i}, TriangleId{j}});
-        }
-    }
-    PROXIMA_CHECK(find_self_intersections(index, {.execution = alone}).value().pairs == meeting);
+    const auto pairs = find_self_intersections(index, {.execution = alone}).value().pairs;
+    PROXIMA_CHECK(pairs == fuzz::self_intersections(mesh));
     ClosestFeature start = no_closest_feature();
     int asked = 0;
     do {

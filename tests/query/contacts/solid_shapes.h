@@ -1,4 +1,4 @@
-// Solids for tests of contacts, and penetration depths by brute force.
+// Solids for tests of contacts, penetration depths by brute force, and what every depth promises.
 #pragma once
 
 #include "index/test_meshes.h"
@@ -8,6 +8,7 @@
 
 #include <array>
 #include <cmath>
+#include <gtest/gtest.h>
 #include <random>
 #include <vector>
 
@@ -144,6 +145,33 @@ inline double boxes_depth(const Boxes& a, const Boxes& b)
         }
     }
     return least;
+}
+
+inline RigidTransform moved_by(const Vec3& translation)
+{
+    RigidTransform pose;
+    pose.translation = translation;
+    return pose;
+}
+
+/// What an answer promises by itself.
+inline void expect_true_bounds(const Solid& a, const Solid& b, const RigidTransform& pose,
+                               const PenetrationDepth& found)
+{
+    EXPECT_EQ(solids_overlap(a, b, pose), found.method != PenetrationMethod::apart);
+    EXPECT_GE(found.lower, 0);
+    EXPECT_LE(found.lower, found.upper);
+    EXPECT_LE(found.translation.norm(), found.upper * (1 + 1e-15));
+    RigidTransform free = pose;
+    free.translation += found.translation;
+    EXPECT_FALSE(solids_overlap(a, b, free));
+    if (found.method == PenetrationMethod::apart) {
+        EXPECT_EQ(found.upper, 0);
+        EXPECT_EQ(found.direction, Vec3::Zero());
+    } else {
+        EXPECT_NEAR(found.direction.norm(), 1, 1e-12);
+        EXPECT_LT((found.direction - found.translation.normalized()).norm(), 1e-12);
+    }
 }
 
 } // namespace proxima::testing
