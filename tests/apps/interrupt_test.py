@@ -29,9 +29,10 @@ class InterruptTest(ProgramTest):
         with subprocess.Popen([PROXIMA, *map(str, arguments), "--threads", "1"], stdout=subprocess.PIPE,
                               stderr=subprocess.PIPE, text=True) as process:
             # Watched by a sanitizer, it is long before the program handles signals.
-            while not (has_signal(process.pid, "SigCgt", sent) and when(process.pid)):
-                self.assertIsNone(process.poll(), "the work was over too soon for this test")
-                time.sleep(0.001)
+            for comes in (lambda pid: has_signal(pid, "SigCgt", sent), when):
+                while not comes(process.pid):
+                    self.assertIsNone(process.poll(), "the work was over too soon for this test")
+                    time.sleep(0.003)
             before = processor_seconds(process.pid)
             process.send_signal(sent)
             # Waits without reaping, so that the processor's time can still be asked.
