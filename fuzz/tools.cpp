@@ -48,7 +48,7 @@ RigidTransform between(const RigidTransform& from, const RigidTransform& to, con
             from.translation + part * (to.translation - from.translation)};
 }
 
-/// Whether the way is free, at sixteen places of it. The poses alone do not say which way round it goes.
+/// Whether the way is free, at sixteen places of it. The poses alone do not say which way round it goes, nor how often.
 bool is_free_way(const MeshIndex& object, const MeshIndex& tool, const RigidTransform& from,
                  const RigidTransform& to)
 {
@@ -60,7 +60,10 @@ bool is_free_way(const MeshIndex& object, const MeshIndex& tool, const RigidTran
         }
         return true;
     };
-    return is_free(turn.angle()) || is_free(turn.angle() - 2 * std::numbers::pi);
+    for (int whole_turns = -2; whole_turns <= 1; ++whole_turns) {
+        if (is_free(turn.angle() + 2 * std::numbers::pi * whole_turns)) return true;
+    }
+    return false;
 }
 
 } // namespace

@@ -132,7 +132,8 @@ public:
     [[nodiscard]] const ToolTick& last() const noexcept;
 
     /// The proxy's poses in the last tick: from each to the next the tool's origin moves straight and
-    /// the tool turns about one axis.
+    /// the tool turns about one axis. After jumps it may turn by more than half a turn, or a whole one:
+    /// the poses alone do not tell.
     [[nodiscard]] std::span<const RigidTransform> path() const noexcept;
 
 private:
