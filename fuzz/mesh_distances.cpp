@@ -52,6 +52,10 @@ void expect_distance(const MeshIndex& a, const MeshIndex& b, const RigidTransfor
     const double least = std::sqrt(truth.squared);
     const auto found = mesh_distance(a, b, pose);
     PROXIMA_CHECK(found.has_value());
+    if (truth.squared < 0x1p-960) { // the squares here vanish, and those of the library need not
+        PROXIMA_CHECK_LE(found->distance, 0x1p-480);
+        return;
+    }
     if (!(least < 0x1p25 * size)) {
         PROXIMA_CHECK_LE(least, found->distance);
         PROXIMA_CHECK_LE(found->distance, least * (1 + 0x1p-46));

@@ -107,8 +107,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
             std::vector<RigidTransform> path(renderer->path().begin(), renderer->path().end());
             path.push_back(tick.proxy);
             for (std::size_t k = 0; k < path.size(); ++k) {
-                PROXIMA_CHECK_LE(0.49 * renderer->options().clearance,
-                                 mesh_distance(object, tool, path[k]).value().distance);
+                const double distance = mesh_distance(object, tool, path[k]).value().distance;
+                PROXIMA_CHECK_LE(0.49 * renderer->options().clearance, distance);
                 if (k > 0) PROXIMA_CHECK(is_free_way(object, tool, path[k - 1], path[k]));
             }
         }
